@@ -43,7 +43,7 @@ bool Matches::wait_for(std::size_t count, std::chrono::milliseconds timeout) {
 }
 
 bool Matches::wait_for(const Source& source, std::chrono::milliseconds timeout) {
-  // A wait of no time calls the kernel, for each reply without a reader.
+  // Even a wait of 0 would call the kernel, for each reply without a reader.
   if (timeout <= std::chrono::milliseconds::zero()) return contains(source);
   std::unique_lock lock(mutex_);
   return changed_.wait_for(lock, timeout, [&] {

@@ -11,7 +11,7 @@
 namespace vdrive::wire {
 namespace {
 
-/// The key members are the first ones of a message.
+/// The key members of a message are its first ones.
 template <typename Message>
 MessageKey key_of(std::span<const std::byte> sample) noexcept {
   CdrReader reader(sample);

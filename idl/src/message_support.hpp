@@ -12,8 +12,8 @@ namespace vdrive::wire {
 
 inline constexpr std::size_t kKeyHashSize = 16;
 
-/// The key members of a sample as DDS compares them: each with its highest byte first, aligned as
-/// in CDR with 0 between them.
+/// The key members of a sample in the form that DDS compares: each with its most significant byte
+/// first, aligned as in CDR with zeros as padding.
 struct MessageKey {
   std::array<std::byte, kKeyHashSize> bytes{};
   std::size_t size = 0;
@@ -21,7 +21,7 @@ struct MessageKey {
   friend auto operator<=>(const MessageKey&, const MessageKey&) = default;
 };
 
-/// What the wire does with the messages of a topic, where their type is known by its number only.
+/// Functions for the messages of a topic, for code that knows the type only by its number.
 struct MessageSupport {
   std::size_t largest_sample;  ///< with every sequence and text at its bound [bytes]
   /// @return the size of the sample; only as much of it as fits is written.
@@ -31,7 +31,7 @@ struct MessageSupport {
   MessageKey (*key)(std::span<const std::byte> sample) noexcept;
 };
 
-/// @return what the rows of topics.hpp give for the topic.
+/// @return the functions for the topic, from the rows of topics.hpp.
 [[nodiscard]] const MessageSupport& support_of(TopicId topic) noexcept;
 
 [[nodiscard]] Decoding decoding_of(const CdrReader& reader) noexcept;

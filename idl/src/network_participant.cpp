@@ -8,7 +8,7 @@
 namespace vdrive::wire {
 namespace {
 
-/// Initialised without code: it is set before constructors run.
+/// Constant-initialised, because it is set before constructors run.
 std::atomic<ParticipantMaker>& provided() noexcept {
   static constinit std::atomic<ParticipantMaker> maker{nullptr};
   return maker;

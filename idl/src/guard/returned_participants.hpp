@@ -10,16 +10,17 @@
 
 namespace vdrive::wire {
 
-/// Participants that were removed because they were silent, and that announce themselves again.
+/// Participants that were removed because they were silent and now announce themselves again.
 ///
-/// Such a participant may not have noticed anything: it was stopped, or the way here was cut. It
-/// still counts as received what it sent before. The library begins with a writer that it matches
-/// by an ACKNACK with number 0, after 70 ms; the writer then sends everything again. But after a
-/// heartbeat that comes earlier it requests single samples, and the writer ignores a request for
-/// what was acknowledged once (`ReaderProxy::acked_changes_set` and `requested_changes_set` of Fast
-/// DDS 2.9.1; 3.1 begins by the same ACKNACK, `WriterProxy::perform_initial_ack_nack`). Then the
-/// two do not find each other's endpoints any more. Therefore a heartbeat of a writer of such a
-/// participant waits until the ACKNACK with number 0 for it has left.
+/// Such a participant may not have noticed anything: it was suspended, or the network path was
+/// interrupted. It still considers what it sent earlier as received. The library starts with a
+/// matched writer by an ACKNACK with number 0, after 70 ms, upon which the writer sends everything
+/// again. But if a heartbeat arrives before that, the library requests individual samples, and the
+/// writer ignores requests for samples that were once acknowledged
+/// (`ReaderProxy::acked_changes_set` and `requested_changes_set` of Fast DDS 2.9.1; 3.1 starts with
+/// the same ACKNACK, `WriterProxy::perform_initial_ack_nack`). The two then no longer find each
+/// other's endpoints. So a heartbeat of a writer of such a participant is held back until the
+/// ACKNACK with number 0 for it has been sent.
 ///
 /// Time is an argument. Not thread-safe.
 class ReturnedParticipants {
@@ -28,13 +29,13 @@ class ReturnedParticipants {
 
   static constexpr std::size_t kMostRemoved = 4'096;
 
-  /// Nothing of a participant waits longer: a writer that no reader here matches gets no ACKNACK.
+  /// Upper limit of a wait: a writer that no reader here matches gets no ACKNACK.
   static constexpr std::chrono::seconds kLongestWait{2};
 
-  /// A participant was removed for its silence.
+  /// A participant was removed because of its silence.
   void removed(const GuidPrefix& participant) {
     returned_.erase(participant);
-    if (removed_.size() >= kMostRemoved) removed_.erase(removed_.begin());  // it may be any one
+    if (removed_.size() >= kMostRemoved) removed_.erase(removed_.begin());  // any one will do
     removed_.insert(participant);
   }
 
@@ -43,19 +44,19 @@ class ReturnedParticipants {
     if (removed_.erase(participant) != 0) returned_[participant] = {.since = now, .greeted = {}};
   }
 
-  /// A participant left by its own word: what comes with this prefix later is another one.
+  /// A participant announced that it left: a later one with this prefix is a different one.
   void left(const GuidPrefix& participant) {
     removed_.erase(participant);
     returned_.erase(participant);
   }
 
-  /// The ACKNACK with number 0 for this writer leaves.
+  /// The ACKNACK with number 0 for this writer is being sent.
   void greeted(const GuidPrefix& participant, EntityId writer) {
     const auto found = returned_.find(participant);
     if (found != returned_.end()) found->second.greeted.insert(writer);
   }
 
-  /// @return whether a heartbeat of this writer has to wait.
+  /// @return whether a heartbeat of this writer must wait.
   [[nodiscard]] bool holds_back(const GuidPrefix& participant, EntityId writer,
                                 Clock::time_point now) const {
     const auto found = returned_.find(participant);
@@ -63,14 +64,14 @@ class ReturnedParticipants {
            !found->second.greeted.contains(writer);
   }
 
-  /// Forgets those of whom nothing has to wait any more.
+  /// Forgets participants for which nothing needs to wait any more.
   void forget_old(Clock::time_point now) {
     std::erase_if(returned_, [now](const auto& each) {
       return now - each.second.since >= kLongestWait;
     });
   }
 
-  /// @return whether nothing has to wait, of whomever.
+  /// @return whether nothing needs to wait for any participant.
   [[nodiscard]] bool empty() const noexcept { return returned_.empty(); }
 
  private:

@@ -10,26 +10,25 @@
 
 namespace vdrive::wire {
 
-/// Discovery servers that have been started again before the library gave up the former one.
+/// Discovery servers that were restarted before the library has given up the former one.
 ///
-/// A server has the same prefix after a restart, on another host, too. The library then takes it
-/// for the one that it knows: its reader waits for numbers after those of the former server, and
-/// its writers send nothing again that this one acknowledged (PDPClient of Fast DDS 2.9 and 3.1).
-/// The two never find each other. Therefore nothing of a server whose heartbeats or
-/// acknowledgements count from the beginning again reaches the library, until the library has given
-/// up the former one by its lease.
+/// A server has the same prefix after a restart, even on another host, so the library takes it for
+/// the one that it knows: its reader waits for numbers after those of the former server, and its
+/// writers do not resend what the former server acknowledged (PDPClient of Fast DDS 2.9 and 3.1).
+/// The two would never find each other. So nothing of a server whose heartbeats or acknowledgements
+/// count from the start again reaches the library until the lease of the former server has ended
+/// and the library has given it up.
 ///
-/// Only servers that the library knows are followed: it holds few, and each is lost one day.
+/// Only servers that the library knows are followed: there are few, and each is lost at some time.
 /// Time is an argument. Not thread-safe.
 class ReturnedServers {
  public:
   using Clock = std::chrono::steady_clock;
 
-  /// A smaller count has been overtaken when the larger one is younger: datagrams come by several
-  /// interfaces, and threads.
+  /// A smaller count that arrives this soon after a larger one has merely been overtaken: datagrams
+  /// come through several interfaces and threads.
   static constexpr std::chrono::seconds kMostOvertaken{1};
-  /// Nothing is held back for longer, whatever lease the server announced: its counts may be
-  /// forged.
+  /// Upper limit of holding back, whatever lease the server announced: its counts may be forged.
   static constexpr std::chrono::seconds kLongestWait{30};
 
   /// The library has found a participant.
@@ -41,7 +40,7 @@ class ReturnedServers {
   void removed(const GuidPrefix& participant) { servers_.erase(participant); }
 
   /// @param datagram that has passed check_datagram
-  /// @return whether it comes from a server that the library has to give up first.
+  /// @return whether it comes from a server that the library must give up first.
   [[nodiscard]] bool holds_back(ByteView datagram, Clock::time_point now) {
     const auto known = servers_.find(sender_of(datagram));
     if (known == servers_.end()) return false;
@@ -58,7 +57,7 @@ class ReturnedServers {
     return false;
   }
 
-  /// @return whether the prefix is that of a server: both libraries begin it so
+  /// @return whether the prefix is that of a server: both libraries start it this way
   ///         (get_server_client_default_guidPrefix, and fastdds discovery without an id).
   [[nodiscard]] static bool is_server(const GuidPrefix& participant) noexcept {
     return participant[0] == 'D' && participant[1] == 'S';
@@ -67,11 +66,11 @@ class ReturnedServers {
  private:
   struct Count {
     std::uint32_t highest = 0;
-    Clock::time_point since{};  ///< it was received
+    Clock::time_point since{};  ///< time at which it was received
   };
 
   struct Server {
-    std::map<EntityId, Count> counts{};  ///< of its writers and readers of discovery
+    std::map<EntityId, Count> counts{};  ///< by discovery writer or reader of the server
     bool has_returned = false;
     Clock::time_point returned{};
   };

@@ -17,7 +17,7 @@ using GuidPrefix = std::array<std::uint8_t, 12>;  ///< of a participant's GUID
 constexpr std::size_t kHeaderSize = 20;
 constexpr std::size_t kSubmessageHeaderSize = 4;
 constexpr std::size_t kEncapsulationSize = 4;  ///< before the content of a sample or a list
-constexpr std::size_t kPrefixOffset = 8;       ///< of the sender's prefix in the header
+constexpr std::size_t kPrefixOffset = 8;       ///< of the prefix of the sender in the header
 
 /// Kinds of submessages.
 enum class SubmessageKind : std::uint8_t {
@@ -39,10 +39,10 @@ enum class SubmessageKind : std::uint8_t {
   sec_postfix = 0x32,
   srtps_prefix = 0x33,
   srtps_postfix = 0x34,
-  statistics = 0x80,  ///< Fast DDS, and what other vendors have there
+  statistics = 0x80,  ///< Fast DDS; other vendors have other kinds there
 };
 
-/// @return whether the kind is one of DDS Security 1.1, section 7.3.6: what is encrypted or signed.
+/// @return whether the kind is one of DDS Security 1.1, section 7.3.6: encrypted or signed parts.
 constexpr bool is_secure(SubmessageKind kind) noexcept {
   return kind >= SubmessageKind::sec_body && kind <= SubmessageKind::srtps_postfix;
 }
@@ -63,11 +63,11 @@ inline constexpr EntityId kSubscriptionsWriter = 0x000004C2;
 inline constexpr EntityId kSubscriptionsReader = 0x000004C7;
 inline constexpr EntityId kParticipantsWriter = 0x000100C2;
 inline constexpr EntityId kParticipantsReader = 0x000100C7;
-/// Entities of the handshake, BuiltinParticipantStatelessMessage (DDS Security 1.1, section 7.4.3).
+/// Entities of the handshake: BuiltinParticipantStatelessMessage (DDS Security 1.1, section 7.4.3).
 inline constexpr EntityId kHandshakeWriter = 0x000201C3;
 inline constexpr EntityId kHandshakeReader = 0x000201C4;
 
-/// The last submessage of a datagram of Fast DDS, for its statistics, without its header [bytes].
+/// Size of the statistics that end a datagram of Fast DDS, without the submessage header [bytes].
 inline constexpr std::size_t kStatisticsSize = 56;
 
 /// Parameters of lists.
@@ -90,9 +90,9 @@ inline constexpr ParameterId kTypeInformation = 0x0075;
 inline constexpr ParameterId kIdentityToken = 0x1001;
 inline constexpr ParameterId kParticipantSecurity = 0x1005;
 inline constexpr ParameterId kPermissionsToken = 0x1002;
-inline constexpr ParameterId kDataSharing = 0x8006;  ///< Fast DDS; other vendors mean other things
+inline constexpr ParameterId kDataSharing = 0x8006;  ///< Fast DDS; differs for other vendors
 
-/// Reads numbers one after the other; what lies behind the end is 0 and makes `ok` false.
+/// Reads consecutive numbers. A number past the end is 0 and makes `ok` false.
 class ByteReader {
  public:
   ByteReader(ByteView bytes, bool little) noexcept : bytes_(bytes), little_(little) {}
@@ -116,13 +116,13 @@ class ByteReader {
 
   std::uint32_t u32() noexcept { return number(4, little_); }
 
-  /// A number that is in network order with either value of the flag.
+  /// A number in network order, whatever the flag says.
   std::uint32_t u32_big() noexcept { return number(4, false); }
 
-  /// Entity ids are in network order with either value of the flag.
+  /// Entity ids are in network order, whatever the flag says.
   std::uint32_t entity() noexcept { return u32_big(); }
 
-  /// @return the next `count` bytes; none when there are fewer.
+  /// @return the next `count` bytes; none if there are fewer.
   ByteView bytes(std::size_t count) noexcept {
     const std::size_t from = position_;
     skip(count);
@@ -164,7 +164,7 @@ inline void put_u32(std::span<std::uint8_t> place, std::uint32_t value, bool lit
   }
 }
 
-/// @param datagram with its whole header
+/// @param datagram with its complete header
 [[nodiscard]] inline GuidPrefix sender_of(ByteView datagram) {
   GuidPrefix prefix{};
   std::copy_n(datagram.begin() + kPrefixOffset, prefix.size(), prefix.begin());
@@ -183,14 +183,15 @@ struct Submessage {
   [[nodiscard]] ByteReader reader() const noexcept { return {body, has(kLittle)}; }
 };
 
-/// Walks the submessages of a datagram.
+/// Iterates over the submessages of a datagram.
 class Submessages {
  public:
   explicit Submessages(ByteView datagram) noexcept : datagram_(datagram) {}
 
   [[nodiscard]] bool at_end() const noexcept { return position_ >= datagram_.size(); }
 
-  /// @return whether the next submessage lies inside the datagram, and the one after it is aligned.
+  /// @return whether the next submessage is inside the datagram and leaves the following one
+  ///         aligned.
   [[nodiscard]] bool next(Submessage& out) noexcept {
     ByteReader header(datagram_.subspan(position_), true);
     if (header.left() < kSubmessageHeaderSize) return false;
@@ -201,7 +202,7 @@ class Submessages {
     out.offset = position_ + kSubmessageHeaderSize;
     const std::size_t left = datagram_.size() - out.offset;
     if (length == 0 && out.kind != SubmessageKind::pad && out.kind != SubmessageKind::info_ts) {
-      // The library reads 0 as 0 where it decrypts.
+      // Where the library decrypts, it takes a length of 0 literally.
       if (is_secure(out.kind)) return false;
       length = left;  // RTPS 2.5, 9.4.5.1.3: it extends to the end
     }
@@ -217,23 +218,22 @@ class Submessages {
   std::size_t position_ = kHeaderSize;
 };
 
-/// @return whether the entity is one of discovery and its like, not of a program
-/// (RTPS 2.5, 9.3.1.2).
+/// @return whether the entity is a built-in one, such as those of discovery (RTPS 2.5, 9.3.1.2).
 constexpr bool is_built_in(EntityId entity) noexcept {
   constexpr EntityId kBuiltIn = 0xC0;
   return (entity & kBuiltIn) == kBuiltIn;
 }
 
-/// The parts of a HEARTBEAT submessage (RTPS 2.5, 9.4.5).
+/// A HEARTBEAT submessage (RTPS 2.5, 9.4.5).
 struct Heartbeat {
   EntityId reader = kUnknownEntity;
   EntityId writer = kUnknownEntity;
   std::int64_t first = 0;
-  std::int64_t last = 0;  ///< first - 1 when there is none
+  std::int64_t last = 0;  ///< first - 1 if there is none
   std::uint32_t count = 0;
 };
 
-/// @return nothing for another submessage, and for one that is too short.
+/// @return nothing for any other submessage, or one that is too short.
 [[nodiscard]] inline std::optional<Heartbeat> parse_heartbeat(
     const Submessage& submessage) noexcept {
   if (submessage.kind != SubmessageKind::heartbeat) return std::nullopt;
@@ -247,15 +247,15 @@ struct Heartbeat {
   return bytes.ok() ? std::optional(heartbeat) : std::nullopt;
 }
 
-/// The parts of an ACKNACK submessage (RTPS 2.5, 9.4.5), without the set of what is missing.
+/// An ACKNACK submessage (RTPS 2.5, 9.4.5) without the set of missing numbers.
 struct Acknack {
   EntityId reader = kUnknownEntity;
   EntityId writer = kUnknownEntity;
-  std::int64_t base = 0;  ///< all before it is acknowledged; 0 requests a first heartbeat
+  std::int64_t base = 0;  ///< all numbers before it are acknowledged; 0 requests a first heartbeat
   std::uint32_t count = 0;
 };
 
-/// @return nothing for another submessage, and for one that is too short.
+/// @return nothing for any other submessage, or one that is too short.
 [[nodiscard]] inline std::optional<Acknack> parse_acknack(const Submessage& submessage) noexcept {
   if (submessage.kind != SubmessageKind::acknack) return std::nullopt;
   constexpr std::size_t kBitsOfWord = 32;
@@ -277,12 +277,12 @@ struct ListEntry {
   ByteView value;
 };
 
-/// Walks a list of parameters up to its sentinel.
+/// Iterates over a parameter list up to its sentinel.
 class ParameterList {
  public:
   ParameterList(ByteView bytes, bool little) noexcept : bytes_(bytes), little_(little) {}
 
-  /// @return whether there is another parameter; false at the sentinel, and when the list is broken
+  /// @return whether there is another parameter; false at the sentinel or if the list is malformed
   [[nodiscard]] bool next(ListEntry& out) noexcept {
     ByteReader reader(bytes_.subspan(position_), little_);
     out.id = reader.u16();
@@ -304,7 +304,7 @@ class ParameterList {
   /// @return whether the sentinel was reached.
   [[nodiscard]] bool ended() const noexcept { return ended_; }
 
-  /// @return the bytes read, with the sentinel once it was reached.
+  /// @return number of bytes read, including the sentinel once it was reached.
   [[nodiscard]] std::size_t size() const noexcept { return position_; }
 
  private:
@@ -314,15 +314,15 @@ class ParameterList {
   bool ended_ = false;
 };
 
-/// The parts of a DATA submessage.
+/// A DATA submessage.
 struct DataSubmessage {
   std::uint32_t reader = 0;
   std::uint32_t writer = 0;
   std::int64_t sequence = 0;
-  ByteView inline_qos;      ///< with its sentinel; empty without
+  ByteView inline_qos;      ///< with its sentinel; empty if there is none
   std::size_t payload = 0;  ///< offset in the body
   ByteView content;         ///< the payload
-  bool whole = false;       ///< every part lies inside the body
+  bool whole = false;       ///< every part is inside the body
 
   /// @return whether the payload is a list of parameters (PL_CDR), in either byte order.
   [[nodiscard]] bool is_list() const noexcept {
@@ -334,22 +334,22 @@ struct DataSubmessage {
   [[nodiscard]] ByteView list() const noexcept { return content.subspan(4); }
 };
 
-/// [bytes] of a DATA before its lists (RTPS 9.4.5.3)
+/// Size of a DATA before its lists [bytes] (RTPS 9.4.5.3)
 inline constexpr std::size_t kDataFixed = 16;
 
-/// @param fixed bytes from behind octetsToInlineQos to the inline QoS, 16 for DATA, 28 for
-/// DATA_FRAG
+/// @param fixed number of bytes after octetsToInlineQos up to the inline QoS: 16 for DATA, 28 for
+///        DATA_FRAG
 [[nodiscard]] DataSubmessage parse_data(const Submessage& submessage, std::size_t fixed) noexcept;
 
-/// @return whether the library may take it for an announcement of a participant.
+/// @return whether the library may treat it as the announcement of a participant.
 [[nodiscard]] bool may_announce(const Submessage& submessage, const DataSubmessage& data) noexcept;
 
-/// @return whether the library may take it for discovery: its content then has passed the check.
+/// @return whether the library may treat it as discovery; its content has then passed the check.
 ///         Other content belongs to a program and must not be changed.
 [[nodiscard]] bool is_discovery(const Submessage& submessage, const DataSubmessage& data) noexcept;
 
-/// @param datagram that holds `submessage`, or a copy of it
-/// @return the bytes of data.list() in `datagram`; only where data.is_list().
+/// @param datagram the one that contains `submessage`, or a copy of it
+/// @return the bytes of data.list() in `datagram`; requires data.is_list().
 [[nodiscard]] std::span<std::uint8_t> list_in(std::span<std::uint8_t> datagram,
                                               const Submessage& submessage,
                                               const DataSubmessage& data) noexcept;

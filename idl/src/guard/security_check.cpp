@@ -11,11 +11,11 @@ namespace vdrive::wire {
 namespace {
 
 constexpr std::size_t kSecurePrefix = 20;   ///< [bytes] transform, key, session and nonce
-constexpr std::size_t kSecurePostfix = 20;  ///< [bytes] common MAC and number of others
-constexpr std::size_t kReceiverMac = 20;    ///< [bytes] each of the others: key and MAC
+constexpr std::size_t kSecurePostfix = 20;  ///< [bytes] common MAC and number of receiver MACs
+constexpr std::size_t kReceiverMac = 20;    ///< [bytes] each receiver MAC: key and MAC
 
-/// The length of what is encrypted is big endian with either value of the flag. The library
-/// compares it in 32 bits with its buffer and not at all with what has arrived.
+/// The length of the encrypted part is big endian, whatever the flag says. The library compares it
+/// in 32 bits with its buffer, but not with the data that has arrived.
 bool is_secure_body(ByteView body) {
   ByteReader reader(body, false);
   const std::uint64_t length = reader.u32_big();
@@ -41,15 +41,15 @@ bool has_its_length(const Submessage& submessage) {
   }
 }
 
-/// Keys are exchanged with AES-256-GCM and the key 0: these eight bytes begin the prefix. Any other
-/// key belongs to an endpoint whose messages are encrypted as a whole.
+/// The key exchange uses AES-256-GCM and key 0, so its prefix starts with these eight bytes. Any
+/// other key belongs to an endpoint whose messages are encrypted completely.
 bool is_of_key_exchange(ByteView prefix) {
   constexpr std::array<std::uint8_t, 8> kTransform{0, 0, 0, 4, 0, 0, 0, 0};
   return prefix.size() >= kTransform.size() &&
          std::equal(kTransform.begin(), kTransform.end(), prefix.begin());
 }
 
-/// Walks the types of DDS Security, 7.2: texts, properties and the tokens that are made of them.
+/// Parses the types of DDS Security, 7.2: texts, properties and the tokens composed of them.
 class TokenReader {
  public:
   TokenReader(ByteView bytes, bool little) noexcept : input_(bytes, little) {}
@@ -61,17 +61,18 @@ class TokenReader {
     return input_.ok();
   }
 
-  /// A text or a sequence of bytes: its length and as many bytes, filled up to four.
+  /// A text or byte sequence: its length, then that many bytes, padded to four.
   [[nodiscard]] bool field(ByteView& out) noexcept {
     const std::uint32_t length = input_.u32();
     if (!input_.ok() || length > input_.left()) return false;
     out = input_.bytes(length);
-    // The last one is not filled up.
+    // The last one is not padded.
     input_.skip(std::min<std::size_t>(input_.left(), (4 - input_.position() % 4) % 4));
     return true;
   }
 
-  /// @param take is called with each element's name and value @return whether all were there
+  /// @param take called with name and value of each element @return whether all elements were
+  ///        complete
   template <typename Take>
   [[nodiscard]] bool pairs(const Take& take) noexcept {
     const std::uint32_t count = input_.u32();
@@ -83,7 +84,7 @@ class TokenReader {
     return input_.ok();
   }
 
-  /// @param take as of pairs(), for the properties that are bytes
+  /// @param take as in pairs(), for the binary properties
   template <typename Take>
   [[nodiscard]] bool token(const Take& take) noexcept {
     ByteView class_id;
@@ -106,7 +107,7 @@ class TokenReader {
   ByteReader input_;
 };
 
-/// @return whether it is the participant's data, which the library reads as an announcement.
+/// @return whether it is the participant data, which the library reads as an announcement.
 bool is_participant_data(ByteView name) {
   constexpr std::string_view kName = "c.pdata";
   return name.size() > kName.size() &&
@@ -115,7 +116,7 @@ bool is_participant_data(ByteView name) {
          });
 }
 
-/// That announcement is a big-endian list without the four bytes that name its encoding.
+/// That announcement is a big-endian list without the four-byte encapsulation.
 bool is_handshake_property(ByteView name, ByteView value) {
   return !is_participant_data(name) || check_list(value, false) == Refusal::none;
 }
@@ -185,7 +186,7 @@ bool is_token(ByteView value, bool little) noexcept {
 }
 
 bool is_handshake(const Submessage& submessage, const DataSubmessage& data) noexcept {
-  // [bytes] Two identities of messages, a participant and two endpoints.
+  // [bytes] Two message identities, a participant and two endpoints.
   constexpr std::size_t kGuids = 2 * 24 + 3 * 16;
   const ByteView content = data.content;
   if (!submessage.has(kThird) || content.size() < kEncapsulationSize || content[0] != 0 ||

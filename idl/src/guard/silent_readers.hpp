@@ -14,8 +14,8 @@
 
 namespace vdrive::wire {
 
-/// @return a datagram by which a reader of `participant` acknowledges all up to `base` - 1 of a
-///         writer here (RTPS 2.5, 9.4.5.2).
+/// @return a datagram in which a reader of `participant` acknowledges all numbers up to `base` - 1
+///         of a writer here (RTPS 2.5, 9.4.5.2).
 [[nodiscard]] inline std::vector<std::uint8_t> acknowledgement(const GuidPrefix& participant,
                                                                EntityId reader, EntityId writer,
                                                                std::int64_t base,
@@ -37,25 +37,27 @@ namespace vdrive::wire {
   return datagram;
 }
 
-/// Readers of participants that answer nothing, where a discovery server reports who has gone.
+/// Readers of participants that no longer answer, for networks in which a discovery server reports
+/// who has gone.
 ///
-/// While no server answers nobody reports it. A reliable writer then keeps for the readers of a
-/// participant that has ended what they never acknowledge; once its history is full it takes no
-/// sample for anyone. Therefore what such a participant has not acknowledged, and has not said a
-/// word about for kPatienceWithVdrive, is acknowledged for it. Without a server the guard removes a
-/// participant after the same time, and its samples are dropped, too.
+/// While no server answers, nobody reports that. A reliable writer then keeps what the readers of a
+/// participant that has ended never acknowledge, and once its history is full, it accepts no sample
+/// for anybody. So what such a participant has not acknowledged is acknowledged on its behalf once
+/// it has sent nothing for kPatienceWithVdrive. Without a server the guard removes a participant
+/// after the same time, and its samples are dropped too.
 ///
-/// Only participants that the library knows are followed, and endpoints of programs. Time is an
-/// argument. Not thread-safe.
-/// @tparam Channel by which a reader acknowledges
+/// Only participants that the library knows are followed, and only endpoints of programs. Time is
+/// an argument. Not thread-safe.
+/// @tparam Channel on which a reader acknowledges
 template <typename Channel>
 class SilentReaders {
  public:
   using Clock = std::chrono::steady_clock;
 
-  /// Between two looks: this program did not run, and its own silence says nothing about others.
+  /// After a longer gap between two calls of take_due(), this program did not run, and the silence
+  /// of others means nothing.
   static constexpr std::chrono::milliseconds kLongestPause{500};
-  static constexpr std::size_t kMostReaders = 256;  ///< of a participant
+  static constexpr std::size_t kMostReaders = 256;  ///< per participant
 
   struct Acknowledgement {
     Channel channel{};
@@ -77,7 +79,7 @@ class SilentReaders {
     }
   }
 
-  /// @param datagram that has passed check_datagram, as it arrived by `channel`
+  /// @param datagram one that has passed check_datagram; it arrived on `channel`
   void received(ByteView datagram, Channel channel) {
     const auto known = peers_.find(sender_of(datagram));
     if (known == peers_.end()) return;
@@ -106,8 +108,8 @@ class SilentReaders {
     }
   }
 
-  /// Call a few times a second.
-  /// @return what the library shall take for the words of participants that say none.
+  /// Call a few times per second.
+  /// @return the acknowledgements to pass to the library on behalf of silent participants.
   [[nodiscard]] std::vector<Acknowledgement> take_due(Clock::time_point now) {
     const bool has_paused = looked_ && now - *looked_ > kLongestPause;
     looked_ = now;
@@ -128,16 +130,16 @@ class SilentReaders {
  private:
   struct Reader {
     Channel channel{};
-    std::int64_t base = 1;  ///< the first number that it has not acknowledged
+    std::int64_t base = 1;  ///< the first number it has not acknowledged
     std::uint32_t count = 0;
   };
 
   struct Peer {
-    std::map<std::pair<EntityId, EntityId>, Reader> readers{};  ///< and the writer here
-    std::optional<Clock::time_point> silent_since{};            ///< it owes an answer
+    std::map<std::pair<EntityId, EntityId>, Reader> readers{};  ///< by reader, and writer here
+    std::optional<Clock::time_point> silent_since{};            ///< since when it owes an answer
   };
 
-  /// @return the last number that this writer has sent; 0 before that.
+  /// @return the last number that this writer has sent; 0 if none.
   [[nodiscard]] std::int64_t last_of(EntityId writer) const {
     const auto sent = sent_.find(writer);
     return sent == sent_.end() ? 0 : sent->second;

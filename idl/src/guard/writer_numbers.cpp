@@ -7,13 +7,13 @@
 
 namespace vdrive::wire {
 
-/// The numbers of a submessage.
+/// The sequence numbers in a submessage.
 struct WriterNumbers::Numbers {
   SubmessageKind kind{};
   EntityId writer = kUnknownEntity;
   std::int64_t first = 0;
-  std::int64_t last = 0;                  ///< first - 1 when there is none
-  std::int64_t skipped = 0;               ///< that a GAP tells the library to skip
+  std::int64_t last = 0;                  ///< first - 1 if there is none
+  std::int64_t skipped = 0;               ///< how many a GAP tells the library to skip
   std::span<const std::size_t> places{};  ///< offsets of the numbers in the body
 
   [[nodiscard]] bool is_heartbeat() const noexcept { return kind == SubmessageKind::heartbeat; }
@@ -25,8 +25,8 @@ struct WriterNumbers::Numbers {
 
 namespace {
 
-/// Adds to the sequence numbers at these offsets of a submessage, in a copy of the datagram that is
-/// made for the first of them.
+/// Adds `difference` to the sequence numbers at these offsets of a submessage, in a copy of the
+/// datagram that is made at the first change.
 void add_to_numbers(std::vector<std::uint8_t>& copy, ByteView datagram,
                     const Submessage& submessage, std::span<const std::size_t> offsets,
                     std::int64_t difference) {
@@ -42,7 +42,7 @@ void add_to_numbers(std::vector<std::uint8_t>& copy, ByteView datagram,
   }
 }
 
-/// INFO_SRC names the participant in whose name the rest is, INFO_DST the one that it is for.
+/// INFO_SRC gives the participant that the rest is from, INFO_DST the one that it is for.
 void read_prefix(const Submessage& submessage, SubmessageKind kind, std::size_t offset,
                  GuidPrefix& participant) {
   if (submessage.kind != kind) return;
@@ -75,8 +75,8 @@ std::optional<WriterNumbers::Numbers> WriterNumbers::numbers_in(const Submessage
     numbers.first = reader.sequence();
     numbers.last = numbers.first;
     numbers.places = kOfData;
-    // Announcements are read without a step for each number, and one that the guard makes has the
-    // highest.
+    // Announcements are not processed number by number, and one made by the guard has the highest
+    // number.
     return numbers.writer == kParticipantsWriter ? std::nullopt : std::optional(numbers);
   }
   if (!numbers.is_heartbeat() && submessage.kind != SubmessageKind::gap) return std::nullopt;
@@ -92,8 +92,8 @@ std::optional<WriterNumbers::Numbers> WriterNumbers::numbers_in(const Submessage
   return numbers;
 }
 
-/// @param rest of the datagram: a GAP comes before the heartbeat that it belongs to
-/// @return nothing for numbers that no writer begins with.
+/// @param rest of the datagram: a GAP precedes the heartbeat that it belongs to
+/// @return nothing for numbers with which no writer starts.
 std::optional<WriterNumbers::Writer> WriterNumbers::begin(const Numbers& numbers,
                                                           Submessages rest) {
   // Writers of discovery have sent as many samples as there are endpoints.
@@ -107,7 +107,7 @@ std::optional<WriterNumbers::Writer> WriterNumbers::begin(const Numbers& numbers
     const auto later = numbers_in(submessage);
     if (later && later->is_heartbeat() && later->writer == numbers.writer) heartbeat = later;
   }
-  // A writer without heartbeats keeps its numbers: the library takes no steps for them.
+  // A writer without heartbeats keeps its numbers: the library does not process them one by one.
   if (!heartbeat) return Writer{.highest = numbers.last};
   const std::int64_t before = heartbeat->first - 1;
   return Writer{.base = before >= kNear ? before : 0,
@@ -130,14 +130,14 @@ bool WriterNumbers::is_plausible(const Numbers& numbers, const Writer& writer) {
   if (numbers.is_data()) {
     return numbers.last <= writer.highest + (writer.is_reliable ? kReach : kReachOfBestEffort);
   }
-  // All before the first of a heartbeat is skipped, and all between those of a gap.
+  // A heartbeat skips all numbers before its first; a gap skips all between its first and its base.
   return numbers.last <= writer.highest + kReach &&
          (!numbers.is_heartbeat() || numbers.first <= writer.done + 1 + kReach);
 }
 
 bool WriterNumbers::has_gone_astray(const Numbers& numbers, Writer& writer, Clock::time_point now) {
-  // Its first heartbeat was lost, and the library has read its large numbers as they are. One that
-  // does not fit its data is doubted like any other.
+  // Its first heartbeat was lost, and the library has read its large numbers unchanged. A heartbeat
+  // that does not fit the data is doubted like any other.
   const bool fits_data =
       numbers.last <= writer.highest + kReach && numbers.last + kReach >= writer.highest;
   if (!writer.is_reliable && !numbers.is_data() && fits_data) return true;
@@ -146,16 +146,17 @@ bool WriterNumbers::has_gone_astray(const Numbers& numbers, Writer& writer, Cloc
   return since >= kDoubt && since <= kMemory;
 }
 
-/// @return whether the library may skip what the plausible numbers make it skip.
+/// @return whether the library may skip what these plausible numbers make it skip.
 bool WriterNumbers::take(const Numbers& numbers, Writer& writer, Clock::time_point now) {
-  // Data prove nothing of a writer that sends heartbeats: without those nothing is acknowledged.
+  // Data proves nothing about a writer that sends heartbeats: without those, nothing is
+  // acknowledged.
   if (!writer.is_reliable || !numbers.is_data()) writer.doubted = {};
   writer.is_reliable = writer.is_reliable || !numbers.is_data();
   writer.highest = std::max(writer.highest, numbers.last);
   const std::int64_t done = numbers.is_heartbeat() ? std::max(writer.done, numbers.first - 1)
                                                    : writer.done + numbers.skipped;
   if (done != writer.done && !may_skip(done - writer.done, now)) return false;
-  // What a gap skips need not be next: only an acknowledgement tells.
+  // What a gap skips need not come next; only an acknowledgement shows that.
   if (numbers.is_heartbeat()) writer.done = done;
   return true;
 }
@@ -218,7 +219,7 @@ std::optional<WriterNumbers::Answer> WriterNumbers::answer_in(const Submessage& 
   const bool acknowledges = submessage.kind == SubmessageKind::acknack;
   if (!acknowledges && submessage.kind != SubmessageKind::nack_frag) return std::nullopt;
   ByteReader reader = submessage.reader();
-  reader.skip(4);  // whose it is
+  reader.skip(4);  // the reader
   Answer answer{.acknowledges = acknowledges};
   answer.writer = reader.entity();
   answer.number = reader.sequence();
@@ -226,7 +227,7 @@ std::optional<WriterNumbers::Answer> WriterNumbers::answer_in(const Submessage& 
   return reader.ok() && answer.number != 0 ? std::optional(answer) : std::nullopt;
 }
 
-/// @return what is added to the number of the answer.
+/// @return the number to add to that of the answer.
 std::int64_t WriterNumbers::pass(const GuidPrefix& receiver, const Answer& answer) {
   const std::scoped_lock lock(mutex_);
   const auto participant = participants_.find(receiver);

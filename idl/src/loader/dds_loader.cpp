@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The DDS participants of a module that must not load the DDS library before somebody needs it: a
-// shared object beside the module.
+// DDS participants for a module that must not load the DDS library before it is needed: loads them
+// from a shared object next to the module.
 #include "loader/dds_entry.hpp"
 #include "network_participant.hpp"
 #include "vdrive/text.hpp"
@@ -17,7 +17,7 @@ namespace {
 
 constexpr const char* kFile = "libvdrive_dds.so";
 
-/// @return the shared object or program that has this code.
+/// @return the shared object or program that contains this code.
 std::filesystem::path own_file() {
   Dl_info info{};
   // NOLINTNEXTLINE(*-reinterpret-cast): the function takes an address of any kind
@@ -33,8 +33,8 @@ std::filesystem::path own_file() {
                      "needs neither");
 }
 
-/// The objects of a participant and its exceptions cross the border between both files.
-/// @throws NetworkError when they are of different builds
+/// Objects of a participant and exceptions cross the border between the two files.
+/// @throws NetworkError when they are from different builds
 void require_same_build(void* library, const std::filesystem::path& file) {
   const void* const found = dlsym(library, kDdsBuild);
   const std::string build =
@@ -45,8 +45,8 @@ void require_same_build(void* library, const std::filesystem::path& file) {
                      "\". Install both from one build; a bench in this process needs no DDS");
 }
 
-/// Each file has its own copy of what the other has too, and none of these copies has a state
-/// that both use. Never unloaded: the library has threads.
+/// Each file has its own copy of the code that both contain, and no copy has state used by both.
+/// Never unloaded, because the library has threads.
 ParticipantMaker load() {
   const std::filesystem::path file = own_file().parent_path() / kFile;
   void* const library = dlopen(file.c_str(), RTLD_NOW | RTLD_LOCAL | RTLD_NODELETE);
@@ -60,14 +60,14 @@ ParticipantMaker load() {
 
 std::unique_ptr<Participant> make_loaded_participant(const NetworkSettings& settings,
                                                      const std::string& name) {
-  static const ParticipantMaker maker = load();  // tried again after an exception
+  static const ParticipantMaker maker = load();  // load() runs again after an exception
   return maker(settings, name);
 }
 
 }  // namespace
 }  // namespace vdrive::wire
 
-// As vdrive_dds_participant of dds/dds_participant.cpp.
+// Like vdrive_dds_participant in dds/dds_participant.cpp.
 extern "C" [[gnu::constructor(vdrive::wire::kBeforeConstructors)]] void
 vdrive_dds_loader() noexcept {
   vdrive::wire::provide_network_participant(&vdrive::wire::make_loaded_participant);

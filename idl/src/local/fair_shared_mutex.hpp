@@ -6,10 +6,10 @@
 
 namespace vdrive::wire {
 
-/// A shared mutex in which who wants it alone has its turn: who wants to share it after that waits.
-/// With the shared mutex of the C library those that share it pass, and as long as there is always
-/// one of them, nobody has it alone. No thread may share it twice. For std::scoped_lock and
-/// std::shared_lock.
+/// A shared mutex that gives a thread waiting for exclusive ownership its turn: later shared owners
+/// wait. With the shared mutex of the C library, shared owners overtake it, and as long as there is
+/// always one, nobody gets exclusive ownership. A thread must not share it twice. For
+/// std::scoped_lock and std::shared_lock.
 class FairSharedMutex {
  public:
   void lock() {

@@ -17,8 +17,8 @@
 namespace vdrive::wire {
 namespace {
 
-/// Numbers of participants and endpoints, unique in the process: a session that meets two buses one
-/// after the other must not take one bench for the other.
+/// Numbers of participants and endpoints, unique in the process: a session that uses two buses in
+/// succession must not confuse their benches.
 std::uint64_t next_number() noexcept {
   static std::atomic<std::uint64_t> last{0};
   return ++last;
@@ -35,7 +35,7 @@ void put_number(std::array<std::uint8_t, Size>& bytes, std::uint64_t number) noe
 Source new_source() noexcept {
   Source source;
   put_number(source.participant, next_number());
-  source.participant[0] = 'v';  // not all zero: that is no participant
+  source.participant[0] = 'v';  // not all zero, which would mean no participant
   return source;
 }
 
@@ -50,7 +50,7 @@ EndpointId new_endpoint(const Source& source) noexcept {
   return id;
 }
 
-/// A participant of this kind ignores others of its kind.
+/// Whether a participant in one role ignores one in the other.
 bool is_ignored(Role own, Role other) noexcept {
   return own == Role::client && other == Role::client;
 }
@@ -59,7 +59,7 @@ std::size_t place_of(TopicId topic) noexcept {
   return static_cast<std::size_t>(topic);
 }
 
-/// The system gives the id of a thread that has ended to a later one.
+/// Not the system's thread id, which may be reused after a thread has ended.
 std::uint64_t number_of_this_thread() noexcept {
   static std::atomic<std::uint64_t> last{0};
   thread_local const std::uint64_t number = ++last;
@@ -94,7 +94,7 @@ LocalBus::WorkPlace::~WorkPlace() {
     const std::scoped_lock lock(bus_->parts().placing);
     place = std::move(bus_->parts().places.extract(bench_).mapped());
   }
-  // No thread finds the place any more: those that have it run it once.
+  // No thread can find the place any more; those that already have it run it once.
   const std::scoped_lock lock(place->in_use);
   place->has_ended = true;
 }
@@ -208,7 +208,7 @@ LocalWriter::LocalWriter(std::shared_ptr<LocalBus> bus, const Source& source, To
     reader->matches().add(id_);
   }
   if (matches_.count() != 0) report_matches();
-  writers.push_back(this);  // last: no place is left of a writer that was not made
+  writers.push_back(this);  // last, so that a failed construction leaves no pointer behind
 }
 
 LocalWriter::~LocalWriter() {
@@ -241,7 +241,7 @@ bool LocalWriter::write(std::span<const std::byte> sample) noexcept {
       reader->take(sample, id_.source);
     }
     return true;
-  } catch (...) {  // no memory
+  } catch (...) {  // out of memory
     return false;
   }
 }
@@ -272,7 +272,7 @@ LocalReader::LocalReader(std::shared_ptr<LocalBus> bus, const Source& source, To
     writer->match(*this);
     writer->replay(*this);
   }
-  readers.push_back(this);  // last: no place is left of a reader that was not made
+  readers.push_back(this);  // last, so that a failed construction leaves no pointer behind
 }
 
 LocalReader::~LocalReader() {
@@ -286,7 +286,7 @@ void LocalReader::take(std::span<const std::byte> sample, const Source& source) 
   const std::scoped_lock lock(taking_);
   try {
     handler_.take(sample);
-  } catch (...) {  // no memory: the sample is dropped here, and reaches the other readers
+  } catch (...) {  // out of memory: dropped for this reader only
     return;
   }
   handler_.deliver(source);

@@ -29,28 +29,28 @@ class LocalParticipant;
 class LocalReader;
 class LocalWriter;
 
-/// A participant as numbers, which are compared faster than its bytes.
+/// A participant as numbers, which compare faster than its bytes.
 using SourceKey = std::pair<std::uint64_t, std::uint32_t>;
 
-/// Who is on a bus. A thread that delivers a sample has `members` shared; a reader or writer that
-/// comes or goes has it alone, so that nothing is delivered to what has gone. A handler writes no
-/// sample: it would take `members` twice.
+/// The members of a bus. A thread that delivers a sample shares `members`; a reader or writer that
+/// joins or leaves owns it exclusively, so that nothing is delivered to an object that is gone. A
+/// handler must not write a sample, which would lock `members` twice.
 struct LocalBus::Parts {
-  /// The work of a bench, as long as a thread runs it.
+  /// The work of a bench, alive as long as a thread runs it.
   struct Place {
     Work work;
     std::shared_mutex in_use;  ///< shared by the threads that run the work
     bool has_ended = false;    ///< guarded by in_use
   };
 
-  /// @return nothing where no such bench is on the bus.
+  /// @return null when no such bench is on the bus.
   [[nodiscard]] std::shared_ptr<Place> place_of(std::uint32_t bench);
 
   const Origin origin;
 
   std::mutex counting;  ///< no other lock is taken with it: handlers ask who is there
   std::vector<const LocalParticipant*> participants;
-  /// Theirs: each call of a session asks whether its bench is there.
+  /// Sources of the participants: each call of a session checks that its bench is there.
   std::vector<SourceKey> sources;  ///< in ascending order
 
   FairSharedMutex members;
@@ -65,11 +65,12 @@ struct LocalBus::Parts {
   std::map<std::uint32_t, std::shared_ptr<Place>> places;  ///< by bench
 };
 
-/// A participant on a local bus. It knows who is there: others join and leave the bus, and a
-/// service whose name is taken is refused when it joins.
+/// A participant on a local bus. It knows exactly who is there: others join and leave the bus, and
+/// a service whose name is taken is refused when it joins.
 class LocalParticipant final : public Participant, public Presence {
  public:
-  /// @throws NameTaken when a service on the bus has this name; NetworkError in a forked process
+  /// @throws NameTaken when a service on the bus already has this name; NetworkError in a forked
+  ///         process
   LocalParticipant(std::shared_ptr<LocalBus> bus, Role role, std::string name);
   ~LocalParticipant() override;
   LocalParticipant(const LocalParticipant&) = delete;
@@ -124,7 +125,7 @@ class LocalParticipant final : public Participant, public Presence {
   Source source_;
 };
 
-/// A writer on a local bus. Keeps what its topic keeps for readers that come later.
+/// A writer on a local bus. Keeps the history of its topic for late readers.
 class LocalWriter final : public SampleWriter {
  public:
   LocalWriter(std::shared_ptr<LocalBus> bus, const Source& source, TopicId topic,
@@ -137,7 +138,7 @@ class LocalWriter final : public SampleWriter {
 
   bool wait_for_acknowledged(std::chrono::milliseconds /*timeout*/) override { return true; }
 
-  // With `members` alone:
+  // With exclusive ownership of `members`:
   void match(const LocalReader& reader);
   void unmatch(const LocalReader& reader);
   void replay(LocalReader& reader) const;
@@ -152,7 +153,7 @@ class LocalWriter final : public SampleWriter {
   EndpointId id_;
   TopicId topic_;
   Observer observer_;
-  std::mutex writing_;  ///< samples reach each reader in the order of the history
+  std::mutex writing_;  ///< keeps deliveries to each reader in the order of the history
   std::map<MessageKey, std::deque<std::vector<std::byte>>> history_;
 };
 
