@@ -6,7 +6,7 @@ endif()
 find_package(Python3 3.9 REQUIRED COMPONENTS Interpreter)
 
 # vdrive_generate_idl(<target> <file>.idl)
-# An interface library with the C++ that our generator makes of the file: <file>.hpp and
+# Adds an interface library with the C++ that our generator makes from the file: <file>.hpp and
 # <file>_description.hpp.
 function(vdrive_generate_idl target idl)
   cmake_path(GET idl STEM name)

@@ -1,13 +1,14 @@
 # SPDX-License-Identifier: Apache-2.0
-# The CMake package: find_package(vdrive REQUIRED COMPONENTS ...), then link the target of its name.
+# The CMake package: find_package(vdrive REQUIRED COMPONENTS ...), then link the target of that
+# name.
 include(CMakePackageConfigHelpers)
 include(GNUInstallDirs)
 
 set(package_dir ${CMAKE_INSTALL_LIBDIR}/cmake/vdrive)
 
-# An export set for each part that a component needs or does not need. The static libraries of users
-# link the others, so their archives are in the package. Their headers are not: no public header
-# names what they have.
+# One export set per part that some components need and others do not. The static libraries for
+# users link the others, so the package contains their archives but not their headers: no public
+# header refers to them.
 install(
   TARGETS vdrive_core
   EXPORT vdrive-core
@@ -46,7 +47,7 @@ write_basic_package_version_file(
 install(FILES ${PROJECT_BINARY_DIR}/vdriveConfig.cmake ${PROJECT_BINARY_DIR}/vdriveConfigVersion.cmake
         DESTINATION ${package_dir} COMPONENT development)
 
-# The unit of further benches is that of the first one with another configuration and place.
+# The unit for further benches: that of the first one with another configuration and directory.
 set(unit_dir ${PROJECT_SOURCE_DIR}/deploy/systemd)
 set_property(DIRECTORY APPEND PROPERTY CMAKE_CONFIGURE_DEPENDS ${unit_dir}/vdrived.service)
 file(READ ${unit_dir}/vdrived.service unit)
@@ -66,8 +67,8 @@ install(DIRECTORY ${PROJECT_SOURCE_DIR}/deploy/axes DESTINATION ${CMAKE_INSTALL_
 install(FILES ${unit_dir}/vdrived.yaml DESTINATION ${CMAKE_INSTALL_SYSCONFDIR}/vdrive
         COMPONENT service)
 
-# The documents, the IDL and the examples lie as they do in the project: the links between them lead
-# to something.
+# Keep the layout of the project for documents, IDL and examples, so that the links between them
+# work.
 set(tree ${CMAKE_INSTALL_DATADIR}/doc/vdrive-doc)
 install(FILES ${PROJECT_SOURCE_DIR}/README.md DESTINATION ${tree} COMPONENT documents)
 install(DIRECTORY ${PROJECT_SOURCE_DIR}/docs DESTINATION ${tree} COMPONENT documents)

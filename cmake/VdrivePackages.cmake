@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-# Debian packages by CPack, one a component; deploy/package.sh builds them.
+# Debian packages by CPack, one per component; deploy/package.sh builds them.
 #
 #   vdrived         the service, its units, its first configuration
 #   vdrive          the tool, its completion, the scenarios
@@ -26,7 +26,8 @@ set(CPACK_PRE_BUILD_SCRIPTS ${PROJECT_SOURCE_DIR}/cmake/finish_packages.cmake)
 
 set(CPACK_DEB_COMPONENT_INSTALL ON)
 set(CPACK_DEBIAN_FILE_NAME DEB-DEFAULT)
-# Packages of both Debians stand in one repository, and those of the newer one are newer.
+# Packages for both Debian releases are in one repository, and those for the newer one must be
+# newer.
 set(CPACK_DEBIAN_PACKAGE_RELEASE 1)
 if(system_ID STREQUAL "debian")
   string(APPEND CPACK_DEBIAN_PACKAGE_RELEASE ~deb${system_VERSION_ID})
@@ -49,7 +50,7 @@ set(CPACK_DEBIAN_TOOL_PACKAGE_NAME vdrive)
 set(CPACK_DEBIAN_TOOL_PACKAGE_SECTION misc)
 set(CPACK_DEBIAN_TOOL_DESCRIPTION "The tool: it finds the drives of vdrived, commands them, reads and writes
 their objects, records what they do and runs scenarios.")
-# On a machine that commands the benches of others the tool is enough.
+# A machine that only commands benches elsewhere needs only the tool.
 set(CPACK_DEBIAN_TOOL_PACKAGE_RECOMMENDS vdrived)
 set(CPACK_DEBIAN_TOOL_PACKAGE_SUGGESTS vdrive-doc)
 
@@ -84,7 +85,7 @@ vdrive::client (sessions over DDS), vdrive::bench (a bench in the process of the
 program, without DDS) and vdrive::core (the drive alone).")
 set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_DEPENDS
     "libeigen3-dev (>= 3.4), libspdlog-dev, libyaml-cpp-dev")
-# Of the component client: a program without DDS does not need them.
+# For the component client: a program without DDS does not need these.
 set(dds "libfastrtps-dev (>= 2.9)")
 if(system_ID STREQUAL "debian" AND system_VERSION_ID VERSION_GREATER_EQUAL 13)
   set(dds "libfastdds-dev (>= 3.1)")
@@ -99,7 +100,7 @@ observes them; a plug-in of pytest gives each test a bench of its own.")
 set(CPACK_DEBIAN_PYTHON_PACKAGE_SUGGESTS "vdrived, vdrive-canopen, vdrive-doc, python3-can, python3-pytest, python3-matplotlib")
 set(CPACK_DEBIAN_PYTHON_PACKAGE_CONTROL_EXTRA ${debian}/python/postinst ${debian}/python/prerm)
 if(TARGET vdrive_python)
-  # The name of the module has the version of the interpreter in it.
+  # The module name contains the version of the interpreter.
   get_target_property(version vdrive_python VDRIVE_PYTHON_VERSION)
   get_target_property(next vdrive_python VDRIVE_NEXT_PYTHON_VERSION)
   set(CPACK_DEBIAN_PYTHON_PACKAGE_DEPENDS

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-# The common settings of every target.
+# Settings common to all targets.
 
 set(vdrive_warnings
     -Wall
@@ -12,13 +12,13 @@ set(vdrive_warnings
     -Woverloaded-virtual
     -Wdouble-promotion)
 
-# With large pages for its memory clang takes a tenth to a fifth less time, where the kernel has them for
-# programs that ask. gcc takes longer with them.
+# With large pages for its memory, clang takes a tenth to a fifth less time, on kernels that provide
+# them on request. gcc takes longer with them.
 set(vdrive_clang_environment env GLIBC_TUNABLES=glibc.malloc.hugetlb=1)
 
-# The compiler cache is found, never required. Its two settings beyond the defaults: precompiled
-# headers are cached only with this sloppiness, and paths below the source tree are made relative
-# so that a second clone of the repository starts warm.
+# The compiler cache is used if found. Settings beyond the defaults: this sloppiness is needed to
+# cache precompiled headers, and paths below the source tree are made relative, so that a second
+# clone of the repository starts with a warm cache.
 find_program(VDRIVE_CCACHE ccache)
 if(PROJECT_IS_TOP_LEVEL AND NOT CMAKE_CXX_COMPILER_LAUNCHER)
   if(CMAKE_CXX_COMPILER_ID STREQUAL "Clang")
@@ -33,8 +33,8 @@ if(PROJECT_IS_TOP_LEVEL AND NOT CMAKE_CXX_COMPILER_LAUNCHER)
   endif()
 endif()
 
-# Tests are some hundred programs: lld links them in a third of the time of the usual linker. It also
-# links all else of a build that nobody uses.
+# Tests are about a hundred programs: lld links them in a third of the time of the default linker.
+# It also links everything else in a build that is not for users.
 if(PROJECT_IS_TOP_LEVEL)
   include(CheckLinkerFlag)
   check_linker_flag(CXX -fuse-ld=lld VDRIVE_HAS_LLD)
@@ -43,9 +43,9 @@ if(PROJECT_IS_TOP_LEVEL)
   endif()
 endif()
 
-# The thread sanitizer of this compiler generation maps fixed addresses and does not start where
-# the kernel randomises more bits of them than it knows. CMake runs test programs, and asks them
-# for their tests, through this prefix.
+# The thread sanitizer of this compiler generation maps fixed addresses and does not start if the
+# kernel randomises more address bits than it expects. CMake runs test programs, and queries their
+# tests, through this prefix.
 if(VDRIVE_SANITIZE MATCHES "thread" AND NOT CMAKE_CROSSCOMPILING_EMULATOR)
   find_program(VDRIVE_SETARCH setarch)
   if(VDRIVE_SETARCH)
@@ -56,9 +56,9 @@ if(VDRIVE_SANITIZE MATCHES "thread" AND NOT CMAKE_CROSSCOMPILING_EMULATOR)
   endif()
 endif()
 
-# What Debian hardens its own programs with, in optimised builds. Position-independent programs are
-# the compiler's default there. The core goes without: it sees numbers, no bytes from outside, and
-# every tick would pay for it.
+# The hardening options that Debian uses for its own programs, in optimised builds.
+# Position-independent executables are the compiler's default there. The core is built without them:
+# it processes numbers, no bytes from outside, and every tick would pay for it.
 set(vdrive_optimised $<CONFIG:RelWithDebInfo,Release>)
 set(vdrive_hardening_options -fstack-protector-strong -fstack-clash-protection)
 if(CMAKE_SYSTEM_PROCESSOR STREQUAL "x86_64")
@@ -67,7 +67,8 @@ endif()
 list(TRANSFORM vdrive_hardening_options REPLACE ".+" "$<${vdrive_optimised}:\\0>")
 
 # vdrive_list_links(<target> <property>)
-# Writes what the target links, one name a line: the architecture test has the table of what it may.
+# Writes what the target links, one name per line, for the architecture test, which has a table of
+# what is allowed.
 function(vdrive_list_links target property)
   if(NOT CMAKE_CURRENT_SOURCE_DIR MATCHES "^${PROJECT_SOURCE_DIR}/tests")
     file(GENERATE OUTPUT ${PROJECT_BINARY_DIR}/links/${target}.txt
@@ -76,15 +77,15 @@ function(vdrive_list_links target property)
 endfunction()
 
 # vdrive_target_defaults(<target> [GENERATED])
-# The language, the warnings and the sanitizers of one of our targets. All of it is PRIVATE: who
-# links us, in the tree or installed, gets none of it. GENERATED code gets no warnings and no lint.
+# Language, warnings and sanitizers of one of our targets. All of it is PRIVATE, so whoever links
+# us, in the tree or installed, inherits none of it. GENERATED code gets no warnings and no lint.
 function(vdrive_target_defaults target)
   cmake_parse_arguments(PARSE_ARGV 1 arg "GENERATED" "" "")
   vdrive_list_links(${target} LINK_LIBRARIES)
   set_target_properties(${target} PROPERTIES CXX_STANDARD_REQUIRED ON CXX_EXTENSIONS OFF)
   target_compile_features(${target} PUBLIC cxx_std_20)
   target_compile_options(${target} PRIVATE ${vdrive_ccache_options})
-  # The compiler looks for garbage in its memory again and again; with less than 512 MiB it need not.
+  # The garbage collector of the compiler would run again and again; below 512 MiB it need not.
   target_compile_options(
     ${target} PRIVATE $<$<COMPILE_LANG_AND_ID:CXX,GNU>:--param=ggc-min-heapsize=524288>)
   target_compile_definitions(${target} PRIVATE $<$<CONFIG:Debug>:_GLIBCXX_ASSERTIONS>
@@ -95,10 +96,11 @@ function(vdrive_target_defaults target)
   endif()
   target_link_options(${target} PRIVATE $<${vdrive_optimised}:LINKER:-z,relro,-z,now>)
   if(VDRIVE_OPTIMISE STREQUAL "DRIVE" AND target MATCHES "^vdrive_(codec|engine|messages|sessions|wire)$")
-    # What most tests run through: without any optimisation the tests take longer than is saved.
+    # Most tests use these: without any optimisation the tests would lose more time than the build
+    # saves.
     target_compile_options(${target} PRIVATE -O1)
   elseif(VDRIVE_OPTIMISE STREQUAL "DRIVE" AND NOT target STREQUAL vdrive_core)
-    # The checks of _FORTIFY_SOURCE are made by the optimiser.
+    # _FORTIFY_SOURCE requires optimisation.
     target_compile_options(${target} PRIVATE -O0 -U_FORTIFY_SOURCE)
   endif()
   if(arg_GENERATED)
@@ -109,7 +111,7 @@ function(vdrive_target_defaults target)
     if(VDRIVE_LINT)
       set_target_properties(${target} PROPERTIES CXX_COMPILER_LAUNCHER ${PROJECT_SOURCE_DIR}/tests/checks/lint.sh)
       set_property(GLOBAL APPEND PROPERTY vdrive_linted $<TARGET_OBJECTS:${target}>)
-      # The build system knows a file's headers, but not that its lint depends on these rules.
+      # The build system knows the headers of a file, but not that its lint depends on these rules.
       set(lint_rules "")
       foreach(file IN ITEMS .clang-tidy tests/checks/lint.sh)
         set_property(DIRECTORY APPEND PROPERTY CMAKE_CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/${file})
@@ -123,8 +125,8 @@ function(vdrive_target_defaults target)
     set(sanitizers ${VDRIVE_SANITIZE})
     if(sanitizers MATCHES "address" AND CMAKE_CURRENT_SOURCE_DIR MATCHES "^${PROJECT_SOURCE_DIR}/tests"
        AND NOT CMAKE_CURRENT_SOURCE_DIR STREQUAL "${PROJECT_SOURCE_DIR}/tests/fuzz")
-      # The expressions of a test are no part of what is tested: with all checks they take as long to
-      # compile as everything else. Fuzzers are built of sources of the rooms.
+      # The expressions of a test are not what is tested, and with all checks they would take as
+      # long to compile as everything else. Fuzzers are built from the sources of the libraries.
       set(sanitizers address)
     endif()
     target_compile_options(${target} PRIVATE -fsanitize=${sanitizers} -fno-sanitize-recover=all
@@ -134,31 +136,31 @@ function(vdrive_target_defaults target)
       target_compile_definitions(${target} PRIVATE VDRIVE_WATCHES_THREADS)
     endif()
     if(target MATCHES "^vdrive_(codec|core|engine|simulation_world|wire)$")
-      # What every test runs through: the tests take a third of the time, and the build hardly longer.
+      # Every test uses this: the tests take a third of the time, and the build hardly longer.
       target_compile_options(${target} PRIVATE $<$<CONFIG:Debug>:-O1>)
     endif()
     # BUILD_INTERFACE: a program that links the library in this build needs the runtime too; an
-    # installed package does not mention it.
+    # installed package must not mention it.
     target_link_options(${target} PUBLIC $<BUILD_INTERFACE:-fsanitize=${VDRIVE_SANITIZE}>)
   endif()
 endfunction()
 
 # vdrive_make_position_independent(<target>)
-# For what others link into shared libraries, such as the Python module and plug-ins of users. A
-# function calls another one of ours directly, as it does in a program.
+# For code that others link into shared libraries, such as the Python module and users' plug-ins.
+# Our functions still call each other directly, as in a program.
 function(vdrive_make_position_independent target)
   set_target_properties(${target} PROPERTIES POSITION_INDEPENDENT_CODE ON)
   target_compile_options(${target} PRIVATE $<$<CXX_COMPILER_ID:GNU>:-fno-semantic-interposition>)
 endfunction()
 
 # vdrive_add_library(<room> HEADERS <file>... SOURCES <file>... [INTERNAL] [BESIDE])
-# The static library vdrive_<room>, known in the tree as vdrive::<room> exactly as after
-# find_package. Public headers are below include/, private ones below src/. Each listed public
-# header is compiled on its own by the target all_verify_interface_header_sets.
-# INTERNAL: the archive is installed because others link it, its headers are not. CMake exports no
-# target without its header sets, so the headers are then verified through a target of their own.
-# BESIDE: no program outside of the tree includes its headers, so all of them are below src/, beside
-# their sources; who links it includes them as its own sources do.
+# Adds the static library vdrive_<room>, available in the tree as vdrive::<room>, exactly as after
+# find_package. Public headers are below include/, private ones below src/. The target
+# all_verify_interface_header_sets compiles each listed public header on its own.
+# INTERNAL: the archive is installed because others link it, but its headers are not. CMake exports
+# no target without its header sets, so the headers are verified through a separate target.
+# BESIDE: no program outside the tree includes its headers, so all of them are below src/, next to
+# their sources. Whoever links it includes them the same way as its own sources do.
 function(vdrive_add_library room)
   cmake_parse_arguments(PARSE_ARGV 1 arg "INTERNAL;BESIDE" "" "HEADERS;SOURCES")
   if(arg_UNPARSED_ARGUMENTS)
@@ -191,10 +193,11 @@ function(vdrive_add_library room)
 endfunction()
 
 # vdrive_precompile(<target> <header>...)
-# Headers of libraries that most sources of the target include: reading them takes longer than the
-# rest of a source file. Not where clang-tidy reads the sources: there each file stands by itself.
-# Not where the sources of the target are compiled together, and read them once or twice: that takes no
-# longer than to compile the headers, and nothing has to wait for it.
+# Precompiles library headers that most sources of the target include, because reading them takes
+# longer than the rest of a source file. Not done when clang-tidy reads the sources, each of which
+# must stand alone, nor when the sources of the target are compiled together and read the headers
+# only once or twice: that takes no longer than compiling the headers, and nothing has to wait for
+# it.
 function(vdrive_precompile target)
   if(VDRIVE_LINT)
     return()
@@ -207,12 +210,12 @@ function(vdrive_precompile target)
 endfunction()
 
 # vdrive_compile_together(<target> [APART <file>...] [FOR_LINT])
-# With VDRIVE_UNITY_BUILD up to 64 sources of the target are compiled at once: they share the reading of
-# their headers and their templates, and clang-tidy goes through all of the headers again for each of its
-# checks. Names in their unnamed namespaces must differ: the wrong one of two functions may fit a call.
+# With VDRIVE_UNITY_BUILD up to 64 sources of the target are compiled together, so they share the
+# parsing of headers and templates, which clang-tidy would otherwise repeat for each of its checks.
+# Names in their unnamed namespaces must differ, or a call could silently match the wrong function.
 # The architecture test reads the list written here.
-# APART: sources whose names cannot differ. FOR_LINT: only clang-tidy, and a build in which nothing is
-# measured (VDRIVE_OPTIMISE, VDRIVE_SANITIZE), reads them at once; otherwise each is compiled by itself.
+# APART: sources whose names cannot differ. FOR_LINT: compile together only for clang-tidy and in a
+# build in which nothing is measured (VDRIVE_OPTIMISE, VDRIVE_SANITIZE); otherwise separately.
 function(vdrive_compile_together target)
   cmake_parse_arguments(PARSE_ARGV 1 arg "FOR_LINT" "" "APART")
   set_target_properties(${target} PROPERTIES vdrive_apart "${arg_APART}")
@@ -228,7 +231,7 @@ function(vdrive_compile_together target)
   if(VDRIVE_UNITY_BUILD)
     set_target_properties(${target} PROPERTIES UNITY_BUILD ON UNITY_BUILD_BATCH_SIZE 64)
     set_source_files_properties(${arg_APART} PROPERTIES SKIP_UNITY_BUILD_INCLUSION ON)
-    # A source that is included is no header: its unnamed namespace belongs to one object.
+    # A source that is included is not a header: its unnamed namespace belongs to one object.
     target_compile_options(${target} PRIVATE $<$<CXX_COMPILER_ID:GNU>:-Wno-subobject-linkage>)
   endif()
 endfunction()
@@ -243,8 +246,8 @@ function(vdrive_add_executable target)
 endfunction()
 
 # vdrive_print_into(<file> <program> [<input file>...])
-# Writes what a program of this build prints about its input files. A file that stays the same keeps its
-# time: what depends on it is not made again.
+# Writes what a program of this build prints about its input files. An unchanged file keeps its time
+# stamp, so that nothing depending on it is built again.
 function(vdrive_print_into file program)
   cmake_path(GET file FILENAME name)
   set(printed ${CMAKE_CURRENT_BINARY_DIR}/${name}.printed)
@@ -257,32 +260,34 @@ function(vdrive_print_into file program)
     VERBATIM)
 endfunction()
 
-# A test that holds a promise about wall time has the label timed beside its own, and these
-# properties: two of them run at a time, of the six jobs of the preset release, before all others. A
-# machine without a free processor cannot keep such a promise: .ci/run repeats a test with this
-# label that failed by a deadline.
+# Tests that check wall-clock times have the label timed in addition to their own, and these
+# properties: two of them run at the same time, of the six jobs of the preset release, and before
+# all others. A machine without a free processor cannot meet such times, so .ci/run repeats a test
+# with this label that missed a deadline.
 set(VDRIVE_TIMED_TEST PROCESSORS 3 COST 900)
-# Most tests over DDS wait: they begin before suites of unit tests, which take the processor to the end.
+# Most tests over DDS wait: start them before suites of unit tests, which keep the processor busy to
+# the end.
 set(VDRIVE_DDS_TEST COST 10)
-# Early: while others keep the machine busy, the lowest priority gets next to nothing, and such a test may
-# end after all of them.
+# Start early: while others keep the machine busy, the lowest priority gets almost no time, and such
+# a test might end after all the others.
 set(VDRIVE_CALCULATING_TEST COST 500 TIMEOUT 1800)
 find_program(VDRIVE_CHRT chrt)
 
-# The interpreter of the system, whose headers and numpy are packages: one of a user may stand first in
-# PATH, and take ten times as long to start.
+# The interpreter of the system, whose headers and numpy are packages: a user's own one might come
+# first in PATH and take ten times as long to start.
 find_program(VDRIVE_PYTHON python3 PATHS /usr/bin NO_DEFAULT_PATH)
 
 # vdrive_include_in_ctest(<name> <text>)
-# ctest reads the text when it starts: only then is there what builds have written.
+# Makes ctest read the text when it starts, because only then do the files exist that builds have
+# written.
 function(vdrive_include_in_ctest name text)
   set(file ${CMAKE_CURRENT_BINARY_DIR}/${name}.cmake)
   file(WRITE ${file} "${text}")
   set_property(DIRECTORY APPEND PROPERTY TEST_INCLUDE_FILES ${file})
 endfunction()
 
-# Gives ctest the cases of a GoogleTest program. gtest_discover_tests knows no suites, and gives all tests
-# the same labels.
+# Passes the cases of a GoogleTest program to ctest. gtest_discover_tests does not know suites and
+# gives all tests the same labels.
 function(vdrive_discover_tests name labels properties timed full each)
   set(output ${CMAKE_CURRENT_BINARY_DIR}/${name}_tests.cmake)
   get_target_property(emulator ${name} CROSSCOMPILING_EMULATOR)
@@ -313,25 +318,25 @@ endfunction()
 # vdrive_add_test(<name> LABEL unit|dds|full SOURCES <file>... [LIBRARIES <target>...]
 #                 [TIMED <regex>] [FULL <regex>] [EACH] [CALCULATES] [BRIDGE] [ONE_THREAD]
 #                 [THREADS <filter>] [SHARDS <number>])
-# A GoogleTest program. Each of its tests is a case of ctest and has a process of its own; with the label
-# unit each suite: most of these tests take less time than their process takes to start. Under a
-# sanitizer a unit test program is one case.
-#   EACH        its tests take long: each is a case, also with the label unit
-#   TIMED       its tests whose names match hold promises about time; each is a case
+# Adds a GoogleTest program. Each of its tests is a ctest case with its own process; with the label
+# unit, each suite is one, because most of these tests take less time than starting a process. Under
+# a sanitizer a unit test program is one case.
+#   EACH        its tests take long: each is a case, even with the label unit
+#   TIMED       its tests whose names match check times; each is a case
 #   FULL        its tests whose names match have the label full; each is a case
-#   CALCULATES  its tests wait for nothing, and run with the lowest priority
-#   BRIDGE      it tests a bridge, its tests have the label bridge, too
-#   ONE_THREAD  it starts no thread: a build that searches for data races leaves it out
-#   THREADS     only its tests of this filter of GoogleTest start threads: such a build runs no others
-#   SHARDS      it takes long under a sanitizer: so many cases, with a part of its tests each
+#   CALCULATES  its tests never wait, and run with the lowest priority
+#   BRIDGE      it tests a bridge; its tests have the label bridge as well
+#   ONE_THREAD  it starts no thread: a build that searches for data races omits it
+#   THREADS     only its tests in this GoogleTest filter start threads: such a build runs no others
+#   SHARDS      it takes long under a sanitizer: split into this number of cases
 # ./tests/run.sh runs the labels unit and dds without those of bridges, and builds the target
-# chosen_tests for that; tests of the label full wait or calculate long, and run with --full only
-# (docs/explanation/testing.md). A program sees
+# chosen_tests for that. Tests with the label full wait or compute for a long time and run only with
+# --full (docs/explanation/testing.md). A program is given
 #   VDRIVE_SOURCE_DIR   the source tree, for tests/data and the scenarios
 #   VDRIVE_SERVICE, VDRIVE_TOOL   (not label unit) the programs vdrived and vdrive of this build; a test without
 #                       DDS that calls the tool is given to vdrive_call_tool (tests/CMakeLists.txt)
 # With VDRIVE_NIGHTLY=1 in the environment a test may run its long count. The target unit_tests
-# builds everything of that label, dds_tests and full_tests alike.
+# builds everything with that label, and dds_tests and full_tests likewise.
 function(vdrive_add_test name)
   cmake_parse_arguments(PARSE_ARGV 1 arg "EACH;CALCULATES;BRIDGE;ONE_THREAD" "LABEL;TIMED;FULL;SHARDS;THREADS" "SOURCES;LIBRARIES")
   if(NOT arg_LABEL MATCHES "^(unit|dds|full)$" OR NOT arg_SOURCES OR arg_UNPARSED_ARGUMENTS)
@@ -370,7 +375,7 @@ function(vdrive_add_test name)
     target_link_libraries(${name} PRIVATE vdrive_test_support)
   endif()
   if(VDRIVE_SANITIZE AND arg_LABEL STREQUAL "unit")
-    # A program that a sanitizer watches takes long to start: many of its tests run in one process.
+    # Starting a program under a sanitizer takes long, so many of its tests run in one process.
     if(NOT arg_SHARDS)
       set(arg_SHARDS 1)
     endif()
@@ -405,7 +410,7 @@ function(vdrive_add_test name)
 endfunction()
 
 # vdrive_program_of(<document> <file>)
-# Writes the first C++ program of a document into a file of the present build directory, again
+# Writes the first C++ program of a document to a file in the present build directory, and again
 # whenever the document changes.
 function(vdrive_program_of document file)
   set_property(DIRECTORY APPEND PROPERTY CMAKE_CONFIGURE_DEPENDS ${document})

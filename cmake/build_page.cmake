@@ -4,9 +4,9 @@
 #   cmake -D SOURCE=DIRECTORY -D TABLES=FILE -D WORK=DIRECTORY -D STAMP=FILE -D NODE=PROGRAM
 #         -D NPM=PROGRAM -P build_page.cmake
 #
-# TABLES becomes src/data/tables.ts. Makes WORK/dist and STAMP. Without node and npm, dist is empty.
-# Where the packages cannot be fetched, dist is empty and STAMP is not made: the next build tries
-# again. A page that Vite refuses is an error.
+# TABLES becomes src/data/tables.ts. Creates WORK/dist and STAMP. Without node and npm, dist is
+# empty. If the packages cannot be fetched, dist is empty and STAMP is not created, so that the next
+# build tries again. A page that Vite refuses is an error.
 
 set(oldest_node 18)
 set(dist ${WORK}/dist)
@@ -17,7 +17,7 @@ function(give_up reason)
   message(NOTICE "page of the gateway: ${reason}; the gateway will serve a page that explains how to get it")
 endfunction()
 
-# The sources, and no file that the tree no longer has.
+# Copies the sources, and removes files that are no longer in the tree.
 file(REMOVE_RECURSE ${WORK}/src ${WORK}/public ${WORK}/test)
 file(COPY ${SOURCE}/ DESTINATION ${WORK} PATTERN node_modules EXCLUDE PATTERN dist EXCLUDE)
 file(COPY_FILE ${TABLES} ${WORK}/src/data/tables.ts)

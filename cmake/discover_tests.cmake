@@ -1,15 +1,15 @@
 # SPDX-License-Identifier: Apache-2.0
-# Asks a GoogleTest program for its tests and writes its cases for ctest: one for each suite, one for
-# each test that stands alone. vdrive_add_test calls it after each build of the program.
+# Queries a GoogleTest program for its tests and writes its ctest cases: one per suite, and one per
+# test that is a case of its own. vdrive_add_test calls this after each build of the program.
 #
 #   cmake -D program=FILE -D emulator=COMMAND -D name=NAME -D directory=WORKING_DIRECTORY -D output=FILE
 #         -D labels=LIST -D properties=LIST -D timed=REGEX -D timed_properties=LIST -D full=REGEX
 #         -D each=BOOL -P discover_tests.cmake
 #
-#   timed, full   a test whose name matches stands alone: it has the label timed, or full
-#   each          all tests stand alone
+#   timed, full   a test whose name matches is its own case, with the label timed or full
+#   each          every test is its own case
 #
-# A test that stands alone and skips itself is skipped for ctest, too.
+# If such a test skips itself, it counts as skipped in ctest too.
 
 execute_process(
   COMMAND ${emulator} ${program} --gtest_list_tests
@@ -22,7 +22,7 @@ if(failed)
 endif()
 
 set(text "")
-# Gives ctest the case, which runs what the filter chooses.
+# Passes the case to ctest; it runs the tests selected by the filter.
 function(add_case case filter case_labels)
   set(line "add_test([==[${case}]==]")
   foreach(word IN LISTS emulator ITEMS ${program} --gtest_filter=${filter})
@@ -52,7 +52,7 @@ macro(end_suite)
   set(others 0)
 endmacro()
 
-# A comment is the value of a parameter: any text.
+# A comment is the value of a test parameter: any text.
 string(REGEX REPLACE " +#[^\n]*" "" listed "${listed}")
 string(REGEX MATCHALL "[^\n]+" lines "${listed}")
 foreach(line IN LISTS lines)

@@ -1,13 +1,13 @@
 # SPDX-License-Identifier: Apache-2.0
-# Run by CPack on what it has staged, before it packs: what the rules of Debian ask for beyond an
-# installation below one prefix.
+# Run by CPack on the staged files before it packs them: adapts what Debian's rules require beyond
+# an installation below one prefix.
 cmake_minimum_required(VERSION 3.25)
 
 function(run)
   execute_process(COMMAND ${ARGN} COMMAND_ERROR_IS_FATAL ANY)
 endfunction()
 
-# Configuration belongs into /etc and not below /usr.
+# Configuration belongs in /etc, not below /usr.
 file(GLOB configurations LIST_DIRECTORIES true ${CPACK_TEMPORARY_DIRECTORY}/*/usr/etc)
 foreach(directory ${configurations})
   cmake_path(GET directory PARENT_PATH prefix)
@@ -15,14 +15,14 @@ foreach(directory ${configurations})
   file(RENAME ${directory} ${root}/etc)
 endforeach()
 
-# The installation has the licence whole; Debian has that text once, and its own form of a
-# changelog, which has to name a day: that of SOURCE_DATE_EPOCH (deploy/package.sh).
+# The installation contains the full licence, which Debian has only once, and Debian has its own
+# changelog format with a date: that of SOURCE_DATE_EPOCH (deploy/package.sh).
 string(TIMESTAMP day "%a, %d %b %Y %H:%M:%S +0000" UTC)
 file(GLOB licences ${CPACK_TEMPORARY_DIRECTORY}/*/usr/share/doc/*/copyright)
 foreach(licence ${licences})
   cmake_path(GET licence PARENT_PATH documents)
   file(COPY_FILE ${CMAKE_CURRENT_LIST_DIR}/../deploy/debian/copyright ${licence})
-  # What is not released in the project is released by the package.
+  # The package releases what is still unreleased in the project.
   file(READ ${CMAKE_CURRENT_LIST_DIR}/../CHANGELOG.md news)
   string(REPLACE "\n## Unreleased\n" "\n## ${CPACK_PACKAGE_VERSION}\n" news "${news}")
   file(WRITE ${documents}/NEWS "${news}")
@@ -37,7 +37,7 @@ foreach(page ${pages})
   run(gzip -9n ${page})
 endforeach()
 
-# CPack strips programs; the debug information of the archives is ten times their code.
+# CPack strips programs only, and the debug information of the archives is ten times their code.
 file(GLOB_RECURSE archives ${CPACK_TEMPORARY_DIRECTORY}/*.a)
 foreach(archive ${archives})
   run(strip --strip-debug ${archive})

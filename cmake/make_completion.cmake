@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
-# Makes a bash completion of a program without commands: the options of its own help, else files.
+# Generates a bash completion for a program without commands: the options in its help, otherwise
+# files.
 #
 #   cmake -D PROGRAM=FILE -D OUTPUT=FILE -P make_completion.cmake
 cmake_minimum_required(VERSION 3.25)

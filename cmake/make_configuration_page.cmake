@@ -5,7 +5,7 @@
 #   cmake -D PROGRAM=... -D EXAMPLE=... -D VERSION=... -D PAGE=... -P make_configuration_page.cmake
 cmake_minimum_required(VERSION 3.25)
 
-# Characters that mean something to roff.
+# Escapes characters that are special in roff.
 function(escape variable)
   string(REPLACE "\\" "\\e" text "${${variable}}")
   string(REPLACE "-" "\\-" text "${text}")
@@ -15,7 +15,7 @@ endfunction()
 
 execute_process(COMMAND ${PROGRAM} --help-config OUTPUT_VARIABLE keys COMMAND_ERROR_IS_FATAL ANY)
 escape(keys)
-# A key begins its line, its text is indented.
+# A key starts at the beginning of a line; its text is indented.
 string(REGEX REPLACE "(^|\n)([a-z][^\n]*)\n    " "\\1.TP\n.B \\2\n" keys "${keys}")
 file(READ ${EXAMPLE} example)
 escape(example)

@@ -1,8 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
-# Runs help2man on a program; the help of its commands follows, if it has any.
+# Runs help2man on a program and appends the help of its commands, if it has any.
 cmake_minimum_required(VERSION 3.25)
 
-# Characters that mean something to roff: the backslash, the minus, a dot that begins a line.
+# Escapes characters that are special in roff: the backslash, the minus, and a dot at the start of a
+# line.
 function(add_section title text layout)
   string(REPLACE "\\" "\\e" text "${text}")
   string(REPLACE "-" "\\-" text "${text}")
@@ -23,8 +24,8 @@ if(help MATCHES "--help-all")
   add_section(commands "${commands}" as_it_is)
 endif()
 
-# help2man would set the examples and what follows them as one paragraph. It is given the help up to
-# them, and they are sections of their own.
+# help2man would format the examples and what follows as one paragraph. So it gets the help up to
+# them, and they become separate sections.
 if(help MATCHES "\nExamples:\n(.*)\n\nEnvironment: ([^\n]*)\nExit codes: ([^\n]*)")
   add_section(examples "${CMAKE_MATCH_1}" as_it_is)
   add_section(environment "${CMAKE_MATCH_2}" filled)
@@ -38,7 +39,7 @@ if(size GREATER 0)
   set(sections --include=${PAGE}.sections)
 endif()
 file(WRITE ${PAGE}.help "${help}")
-# A page is about a version, not about a build of it.
+# A page describes a version, not a particular build of it.
 string(REGEX REPLACE " \\(.*\\)" "" version "${version}")
 file(WRITE ${PAGE}.version "${version}")
 cmake_path(GET PROGRAM FILENAME name)
@@ -50,7 +51,7 @@ execute_process(
           ${sections} --output=${PAGE} ${PAGE}.program/${name}
           COMMAND_ERROR_IS_FATAL ANY)
 
-# Without the month in which it was made: the same help gives the same page.
+# Omits the month of creation, so that the same help gives the same page.
 file(READ ${PAGE} text)
 string(REGEX REPLACE "(\n\\.TH [^ ]+ \"[0-9]\" )\"[^\"]*\"" "\\1\"\"" text "${text}")
 file(WRITE ${PAGE} "${text}")
