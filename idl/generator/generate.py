@@ -1,27 +1,28 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Makes C++ of an IDL file: plain structs, enumerations, and a description of each.
+"""Generates C++ from an IDL file: plain structs, enumerations, and a description of each.
 
 generate.py FILE.idl DIRECTORY
 
 Writes DIRECTORY/FILE.hpp (structs and enumerations) and DIRECTORY/FILE_description.hpp (a
-specialisation of vdrive::wire::Description for each of them). The subset of IDL 4.2:
+specialisation of vdrive::wire::Description for each of them). The supported subset of IDL 4.2:
 
   module NAME { ... };
   const uint32 NAME = 256;
   @final struct NAME { MEMBER ... };
   MEMBER: [@key] [@unit("mm")] [@range(min=0, max=9)] TYPE NAME;
   TYPE: an integer, boolean, octet, double, string, string<N>, a struct, or a sequence<TYPE[, N]> of
-        anything but a sequence. The key members are the first ones.
+        anything but a sequence. The key members come first.
 
-Lines of `///` over a struct, member or constant are its help. A line with a tag says what IDL does
-not. An enumeration is a number on the network, because values of an enum are not the same for all
-vendors:
+Lines starting with `///` above a struct, member or constant are its help. A line with a tag adds
+information that IDL cannot express. An enumeration is a plain number on the network, because enum
+values differ between vendors:
 
-  /// @enumeration NAME PREFIX_ over the first of constants with that prefix makes an enumeration;
-  /// @enumeration NAME over a member gives the member its type;
-  /// @figure counter|gauge [headline] over an unsigned number makes it a figure: a counter only
-      grows; a headline is shown where there is room for a few.
+  /// @enumeration NAME PREFIX_ above the first of the constants with that prefix defines an
+      enumeration;
+  /// @enumeration NAME above a member gives the member that type;
+  /// @figure counter|gauge [headline] above an unsigned number makes it a metric: a counter only
+      increases; a headline is shown even where there is room for only a few metrics.
 
 Anything else is refused with file, line and reason (exit code 1).
 """
@@ -43,7 +44,7 @@ NUMBERS = {
 }
 SIZES = {"std::int8_t": 1, "std::uint8_t": 1, "std::byte": 1, "std::int16_t": 2, "std::uint16_t": 2,
          "std::int32_t": 4, "std::uint32_t": 4, "std::int64_t": 8, "std::uint64_t": 8, "double": 8}
-LARGEST_KEY = 16  # [bytes] that a key hash of DDS has without a sum
+LARGEST_KEY = 16  # [bytes] a longer key is hashed by DDS
 UNSIGNED = ("uint8", "uint16", "uint32", "uint64")
 TAGS = ("@enumeration", "@figure")
 FIGURES = [(kind, *more) for kind in ("counter", "gauge") for more in ((), ("headline",))]
@@ -53,7 +54,7 @@ TOKEN = re.compile(r"""(?P<help>///[^\n]*)|(?P<skip>//[^\n]*|/\*.*?\*/|\s+)
 
 
 class Refused(Exception):
-    """What the subset does not have; its text names the line."""
+    """Input outside the supported subset; the text starts with the line number."""
 
     def __init__(self, line, reason):
         super().__init__(f"{line}: {reason}")
@@ -68,7 +69,7 @@ class Token:
 
 @dataclasses.dataclass
 class Type:
-    """A type of a member. `bound` is that of the sequence or of the string, 0 = none."""
+    """The type of a member. `bound` is that of a sequence, `text_bound` of a string; 0 = none."""
     name: str
     is_sequence: bool = False
     bound: int = 0
@@ -81,7 +82,7 @@ class Member:
     type: Type
     help: str
     enumeration: str = ""
-    figure: tuple = ()  # its kind, then "headline" if it is one
+    figure: tuple = ()  # its kind, then "headline" if set
     unit: str = ""
     is_key: bool = False
     range: tuple = ()
@@ -110,7 +111,7 @@ class Enumeration:
     type: str
     name: str
     prefix: str
-    values: list  # of (name, value, help)
+    values: list  # tuples (name, value, help)
 
 
 def tokens_of(text):
@@ -127,7 +128,7 @@ def tokens_of(text):
 
 
 def key_size(members):
-    """@return the bytes of the key members, each aligned to its size."""
+    """@return the size of the key members [bytes], each aligned to its size."""
     end = 0
     for member in members:
         if member.is_key:
@@ -137,7 +138,7 @@ def key_size(members):
 
 
 class Parser:
-    """Reads a file into `items`: constants, enumerations and structs in their order."""
+    """Parses a file into `items`: constants, enumerations and structs, in order."""
 
     def __init__(self, text):
         self.tokens = list(tokens_of(text))
@@ -166,7 +167,7 @@ class Parser:
         return token
 
     def take(self, text):
-        """Takes the next token when it is that one. @return whether it was."""
+        """Consumes the next token if it is `text`. @return whether it was."""
         if self.peek().text != text or self.peek().kind == "help":
             return False
         self.place += 1
@@ -204,7 +205,7 @@ class Parser:
         return value
 
     def help(self):
-        """@return the help in front of a definition, and its tags: the words after each of them."""
+        """@return the help before a definition, and its tags with the words after each tag."""
         lines, tags = [], {}
         while self.peek().kind == "help":
             token = self.next()
@@ -392,7 +393,7 @@ def comment(text, indent=""):
 
 
 def definition(item):
-    """@return the definition of a constant, an enumeration or a struct."""
+    """@return the C++ definition of a constant, an enumeration or a struct."""
     if isinstance(item, Constant):
         return comment(item.help) + \
             f"inline constexpr {NUMBERS[item.type]} {item.name} = {item.value};\n"

@@ -17,7 +17,7 @@ namespace vdrive::wire {
 template <typename Described>
 struct Description;
 
-/// Kind of a metric: a counter only increases, a gauge can go up and down.
+/// Kind of a figure (metric): a counter only increases, a gauge can go up and down.
 enum class FigureKind : std::uint8_t { none, counter, gauge };
 
 /// The properties of a member that do not depend on its type.
