@@ -33,6 +33,7 @@ template <std::integral Number>
 ///     unit     = "us" | "ms" | "s" | "min" | "h"        without one: seconds
 ///
 /// Case does not matter in "0x", "e" and hex digits.
+
 /// @return whether `text` begins with 0x.
 [[nodiscard]] bool has_hex_prefix(std::string_view text) noexcept;
 

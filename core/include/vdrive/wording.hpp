@@ -10,6 +10,7 @@
 namespace vdrive {
 
 /// Wording of messages.
+
 /// @return a text such as "1 axis" or "3 axes".
 [[nodiscard]] std::string counted(std::uint64_t count, std::string_view one, std::string_view many);
 

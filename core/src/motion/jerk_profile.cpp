@@ -16,6 +16,7 @@
 //   mirrored. This covers a start that is forced beyond V: its settled velocity is above u = V, so
 //   the change turns back there immediately. From a start above its cap, w falls with the full jerk
 //   down to the cap, which violates the cap no longer than J makes necessary.
+//
 // 2. Move. `stop` is the change to u = 0; it ends at P(v, a), measured from where it begins. If the
 //    target is beyond the end of a stop that begins now, the axis first goes for u = +V and stops
 //    later, otherwise for u = -V. So a move follows the change to ±V until the instant τ, then a

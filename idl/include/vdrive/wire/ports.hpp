@@ -6,6 +6,7 @@
 namespace vdrive::wire {
 
 /// UDP addresses and ports of the participants of a DDS domain (DDSI-RTPS 2.5, 9.6.1).
+
 /// The multicast group in which participants announce themselves.
 inline constexpr const char* kDiscoveryGroup = "239.255.0.1";
 
