@@ -76,8 +76,8 @@ bool keeps_its_place(const Drive& drive) {
 bool presses_on_stop(const Drive& drive, double direction) {
   const std::size_t l = drive.lane();
   const double torque = drive.servo().torque[l] * drive.block().units.torque_per_mille[l];
-  // The torque limit may be below the threshold. The torque only approaches the limit; the
-  // tolerance of 0.5 also covers the rounding of 6077h.
+  // The torque limit may be below the threshold, and the torque only approaches that limit: compare
+  // the rounded torque, as 6077h shows it.
   const double wanted =
       within_torque_limits(drive, direction * real(drive, "homing_stop_torque"_object));
   const double lag = demand_position(drive) - actual_position(drive);
