@@ -16,8 +16,8 @@ using namespace std::chrono_literals;
 constexpr auto kOfSegment = 5s;
 constexpr auto kBeforeCause = 2s;
 constexpr auto kAfterCause = 500ms;
-constexpr auto kLongestAfter = 2s;  // where one cause follows the other
-/// The one that is being filled, the one before, and what a window holds of older ones.
+constexpr auto kLongestAfter = 2s;  // when further causes follow
+/// The segment being filled, the one before it, and the older ones that a window holds.
 constexpr std::size_t kLeastSlots = 4;
 constexpr std::size_t kMostSlots = 512;  // 40 minutes
 constexpr std::size_t kLeastRecent = 2;
@@ -31,7 +31,7 @@ std::size_t bytes_of(const Configuration& configuration) {
   return std::size_t{configuration.black_box_memory_mib} << 20U;
 }
 
-/// As many as have room in three quarters of the memory; what is done needs the rest.
+/// @return as many slots as fit into three quarters of the memory; the entries need the rest.
 std::size_t slots_of(std::size_t memory, std::size_t state_size) {
   const std::size_t slots = std::min(kMostSlots, memory / 4 * 3 / state_size);
   return slots < kLeastSlots ? 0 : slots;
@@ -140,7 +140,7 @@ void BlackBox::record_tick(const AxisBank& bank, std::uint64_t tick) noexcept {
   if (is_complete(segment)) begin_segment(bank, tick, Segment::Cause::continued);
 }
 
-/// One that takes a quarter of the room could not be forgotten in part.
+/// Segments are only dropped as a unit, so one also ends once it takes a quarter of the room.
 bool BlackBox::is_complete(const Segment& segment) const noexcept {
   return segment.ticks >= segment_ticks_ ||
          segment.entries > blocks_.capacity() / 4 * kEntriesOfBlock;
@@ -195,7 +195,7 @@ void BlackBox::end_window(const AxisBank& bank) {
   begin_segment(bank, tick_, Segment::Cause::continued);
 }
 
-/// Those that the window spans, as far as they are there.
+/// Collects the segments that the window spans, as far as they still exist.
 void BlackBox::collect_segments(Window& window) const {
   for (auto slot = recent_.rbegin();
        slot != recent_.rend() && window.segment_count < Window::kMostSegments; ++slot) {
@@ -207,7 +207,7 @@ void BlackBox::collect_segments(Window& window) const {
   window.first_tick = std::max(window.first_tick, segments_[window.segments[0]].tick);
 }
 
-/// What there is of the window already.
+/// Hands over the part of the open window that has been recorded so far.
 void BlackBox::hand_over_open(const AxisBank& bank) {
   Window so_far = open_;
   so_far.last_tick = tick_;
@@ -216,7 +216,7 @@ void BlackBox::hand_over_open(const AxisBank& bank) {
   begin_segment(bank, tick_, Segment::Cause::continued);
 }
 
-/// A window that finds the queue full is not kept elsewhere.
+/// If the queue is full, the window is not stored elsewhere.
 void BlackBox::hand_over(const Window& window) noexcept {
   Window* const slot = handed_over_.free_slot();
   if (slot == nullptr) return;
@@ -249,7 +249,7 @@ bool BlackBox::adopt(const Window& window, std::span<const KeptSegment> segments
   return true;
 }
 
-/// In half of the memory: the run that begins needs the rest.
+/// Adopted windows may take half of the memory: the new run needs the rest.
 bool BlackBox::has_room_for(std::span<const KeptSegment> segments) const noexcept {
   std::size_t blocks = blocks_made_;
   for (const KeptSegment& segment : segments) {
@@ -280,7 +280,7 @@ void BlackBox::let_go(const Window& window) noexcept {
   }
 }
 
-/// Where all room is held, recording stops for a while.
+/// If all memory is held, recording stops; record_tick() tries again later.
 void BlackBox::begin_segment(const AxisBank& bank, std::uint64_t tick, Segment::Cause cause) {
   ticks_entry_ = nullptr;
   author_.reset();
@@ -292,7 +292,7 @@ void BlackBox::begin_segment(const AxisBank& bank, std::uint64_t tick, Segment::
   tick_ = tick;
 }
 
-/// Makes an empty segment of a slot. @return false where there is no block for it.
+/// Makes the slot an empty segment. @return false if there is no block for it.
 bool BlackBox::open(std::uint32_t slot, std::uint64_t tick, Segment::Cause cause) {
   const auto block = take_block();
   if (!block) return false;
@@ -315,7 +315,7 @@ void BlackBox::put(const BoxEntry& entry) {
   if (entry.kind == BoxEntry::Kind::ticks) ticks_entry_ = kept;
 }
 
-/// @return the entry, or nullptr where there is no room.
+/// @return the entry, or nullptr if there is no room.
 BoxEntry* BlackBox::append(Segment& segment, const BoxEntry& entry) {
   const std::size_t place = segment.entries % kEntriesOfBlock;
   if (place == 0 && segment.entries > 0) {
@@ -358,7 +358,7 @@ std::optional<std::uint32_t> BlackBox::take_block() {
   return std::nullopt;
 }
 
-/// The blocks of segments that nobody holds are free.
+/// Frees the blocks of segments that nobody holds.
 void BlackBox::recycle_blocks() noexcept {
   for (std::size_t slot = 0; slot < slots_; ++slot) {
     Segment& segment = segments_[slot];
@@ -369,7 +369,8 @@ void BlackBox::recycle_blocks() noexcept {
   }
 }
 
-/// The oldest of what was recorded, then windows. @return whether there was something.
+/// Drops the oldest segment, or a window if only kLeastRecent segments are left.
+/// @return whether there was one
 bool BlackBox::forget_something() noexcept {
   if (recent_.size() <= kLeastRecent) return drop_window();
   segments_[recent_.front()].holders.fetch_sub(1, std::memory_order_release);

@@ -22,41 +22,41 @@
 
 namespace vdrive::service {
 
-/// Something that the black box has recorded, in the order in which it happened.
+/// One entry of the black box. Entries are kept in the order in which things happened.
 struct BoxEntry {
   enum class Kind : std::uint8_t {
-    ticks,    ///< value: how many were completed one after the other
-    change,   ///< of `change`: axis, address, value
-    refusal,  ///< a write that was refused: axis, address, value; code: why
-    author,   ///< whose the entries after this one are. means; value: session
+    ticks,    ///< value: the number of consecutive ticks that were completed
+    change,   ///< kind in `change`; axis, address, value
+    refusal,  ///< a refused write: axis, address, value; code: the reason
+    author,   ///< the author of the entries that follow: means; value: session
     event,    ///< axis; code; address.index: msg::EventKind; value: session
   };
 
   std::int64_t value = 0;
   std::uint32_t code = 0;
-  std::uint16_t axis = 0;  ///< index on the bench; of an event: number, 0 = the bench
+  std::uint16_t axis = 0;  ///< index on the bench; for an event its number, 0 = the bench
   ObjectAddress address{};
   Kind kind = Kind::ticks;
   JournalChange::Kind change = JournalChange::Kind::write;
   JournalAuthor::Means means = JournalAuthor::Means::none;
 };
 
-/// What a bench did in the last minutes, in bounded memory and without a journal: a snapshot every
-/// few seconds of drive time, and what was done to the axes since. The core is a function, so each
-/// tick in between can be computed again (WindowReplay). What happened around a fault is kept
-/// longer, as a window.
+/// Records the last minutes of a bench in bounded memory and without a journal: a snapshot every
+/// few seconds of drive time, and all changes to the axes since. The core is deterministic, so each
+/// tick in between can be recomputed (WindowReplay). The ticks around a fault are kept longer, as a
+/// window.
 ///
-/// Belongs to the thread that steps the bank. Once warm it allocates nothing and takes no lock.
+/// Belongs to the thread that steps the bank. It takes no lock and, once warm, allocates nothing.
 /// Another thread may read the segments of a window between `hold` and `let_go`.
 class BlackBox {
  public:
-  /// What was recorded from a snapshot on.
+  /// A snapshot and everything recorded since, up to the next snapshot.
   struct Segment {
     enum class Cause : std::uint8_t {
-      started,    ///< recording began, or begins again after a loss
-      continued,  ///< the state is that after the last tick of the segment before
-      restored,   ///< somebody restored a snapshot
-      jumped,     ///< the number of the tick jumped
+      started,    ///< recording began, or resumed after a loss
+      continued,  ///< the state is the one after the last tick of the previous segment
+      restored,   ///< a client restored a snapshot
+      jumped,     ///< the tick number jumped
     };
 
     Cause cause = Cause::started;
@@ -66,57 +66,56 @@ class BlackBox {
     std::uint32_t first_block = 0;
     std::uint32_t last_block = 0;
     std::uint64_t entries = 0;
-    std::atomic<std::uint32_t> holders{0};  ///< 0: its room may be used again
+    std::atomic<std::uint32_t> holders{0};  ///< 0: its memory may be reused
     bool has_blocks = false;
   };
 
-  /// Where black_box_memory_mib has no room for four snapshots nothing is recorded.
+  /// Records nothing if black_box_memory_mib is too small for four snapshots.
   BlackBox(const Configuration& configuration, const AxisBank& bank);
 
   [[nodiscard]] bool is_on() const noexcept { return slots_ > 0; }
 
-  /// Of a snapshot [bytes].
+  /// @return the size of a snapshot [bytes].
   [[nodiscard]] std::size_t state_size() const noexcept { return segments_[0].state.size(); }
 
-  /// Before the first change, or when the number of the first tick is known. The calls that record
-  /// do nothing before it.
+  /// Starts recording. Call it before the first change, or once the number of the first tick is
+  /// known; until then the record functions do nothing.
   void begin(const AxisBank& bank, std::uint64_t tick);
 
   // NOLINTBEGIN(bugprone-exception-escape): all that they fill has its room from the start
   void record(const JournalEntry& entry, const JournalAuthor& author) noexcept;
-  /// All axes got the state of a snapshot.
+  /// Records that all axes were set to the state of a snapshot.
   void record_restore(const AxisBank& bank, std::uint64_t tick) noexcept;
   void record_tick(const AxisBank& bank, std::uint64_t tick) noexcept;
-  /// A fault, a lost master and a stop by somebody freeze a window.
+  /// A fault, a lost master and a stop by another session freeze a window.
   void record_event(const EventRecord& event) noexcept;
   // NOLINTEND(bugprone-exception-escape)
 
-  /// Freezes a window around the last tick, or adds the cause to the one that is still being
-  /// recorded.
-  /// @return its number, 0 = nothing is recorded
+  /// Freezes a window around the last tick, or adds the cause to the window that is still open.
+  /// @return the number of the window, 0 = nothing is being recorded
   std::uint64_t freeze(const WindowCause& cause);
 
-  /// The window that is still being recorded ends with the last tick.
+  /// Ends the open window with the last tick.
   void end_window(const AxisBank& bank);
 
-  /// @return the window with the least number above `number`, or nullptr.
+  /// @return the window with the lowest number above `number`, or nullptr.
   [[nodiscard]] const Window* next_window(std::uint64_t number) const noexcept;
 
   [[nodiscard]] bool is_open(const Window& window) const noexcept { return &window == &open_; }
 
-  /// @return the tick with which the window that is still being recorded ends.
+  /// @return the last tick of the open window.
   [[nodiscard]] std::uint64_t end_of_open() const noexcept { return open_until_; }
 
-  /// From now on a window is handed over when it is frozen, and again as soon as it is opened.
+  /// From now on each window is handed over twice: one tick after it was opened, and when it ends.
   void hand_over_windows() noexcept { hands_over_ = true; }
 
-  /// For one other thread: the next window to be kept elsewhere, or nullptr. It is held until
+  /// For one other thread: the next window to store elsewhere, or nullptr. It is held until
   /// `pop_handed_over`.
   [[nodiscard]] const Window* handed_over() noexcept { return handed_over_.front(); }
 
   void pop_handed_over() noexcept;
 
-  /// A segment that another run has recorded.
+  /// A segment recorded by an earlier run.
   struct KeptSegment {
     Segment::Cause cause = Segment::Cause::started;
     std::uint64_t tick = 0;
@@ -125,15 +124,15 @@ class BlackBox {
     std::span<const BoxEntry> entries;
   };
 
-  /// Before the first step: keeps a window of an earlier run under its number, newest windows
+  /// Keeps a window of an earlier run under its number. Only before the first step, newest windows
   /// first.
-  /// @return whether there is room beside those that are there
+  /// @return whether there was room for it
   bool adopt(const Window& window, std::span<const KeptSegment> segments);
 
-  /// How many pages of windows wait to be computed. Any thread.
+  /// The number of window pages that wait to be computed. Any thread.
   std::atomic<std::uint32_t> pages_waiting{0};
 
-  /// The segments of the window stay as they are until they are let go, by any thread.
+  /// Keeps the segments of the window unchanged until `let_go`, which any thread may call.
   void hold(const Window& window) noexcept;
   void let_go(const Window& window) noexcept;
 
@@ -141,13 +140,13 @@ class BlackBox {
     return segments_[slot];
   }
 
-  /// The entries of a segment that is held, one after the other.
+  /// Iterates over the entries of a held segment.
   class Entries {
    public:
     Entries(const BlackBox& box, const Segment& segment) noexcept
         : box_(&box), block_(segment.first_block), left_(segment.entries) {}
 
-    /// @return the next one, or nullptr at the end.
+    /// @return the next entry, or nullptr at the end.
     [[nodiscard]] const BoxEntry* next() noexcept;
 
    private:
@@ -196,9 +195,9 @@ class BlackBox {
   bool is_recording_ = false;
   std::uint64_t tick_ = 0;
   std::optional<JournalAuthor> author_;  ///< of the last entry
-  BoxEntry* ticks_entry_ = nullptr;      ///< the last entry, where it counts ticks
+  BoxEntry* ticks_entry_ = nullptr;      ///< the last entry, if it counts ticks
   std::vector<Window> windows_;          ///< frozen, by number
-  Window open_;                          ///< still recorded; number 0 = none
+  Window open_;                          ///< still being recorded; number 0 = none
   std::uint64_t open_until_ = 0;
   std::uint64_t last_number_ = 0;
   bool hands_over_ = false;

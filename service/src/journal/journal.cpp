@@ -30,11 +30,11 @@ using Clock = std::chrono::steady_clock;
 constexpr auto kWriterNap = 2ms;  // the queue holds half a second of the shortest ticks
 constexpr auto kRoomNap = 50us;
 constexpr auto kFlushInterval = 1s;
-// Of a bench with more axes than a slot has rows: a row is the digest of so many axes.
+// Axes per row on a bench with more axes than a slot has rows.
 constexpr std::size_t kAxesPerLargeRow = 64;
 constexpr int kMode = 0644;
 
-/// A file descriptor that closes.
+/// Owns a file descriptor.
 class File {
  public:
   File(int descriptor, std::string name) : descriptor_(descriptor), name_(std::move(name)) {}
@@ -52,14 +52,14 @@ class File {
     }
   }
 
-  /// A device or a pipe is never full of somebody else's journal.
+  /// False for a device or a pipe: they cannot contain an earlier journal.
   [[nodiscard]] bool holds_something() const { return is_regular() && status().st_size > 0; }
 
-  /// The lock belongs to the file, by whatever name it was opened. A device takes any number of
-  /// journals. @return false when another program has it.
+  /// The lock belongs to the file, whatever name it was opened by. A device takes any number of
+  /// journals. @return false if another program holds the lock.
   [[nodiscard]] bool try_lock() const { return !is_regular() || try_lock_file(descriptor_); }
 
-  /// @return who has the lock that this one did not get.
+  /// @return a description of the program that holds the lock.
   [[nodiscard]] std::string holder() const { return holder_of_lock(descriptor_); }
 
  private:
@@ -139,7 +139,7 @@ bool Journal::is_recording() const noexcept {
   return !ended_ && error_.load(std::memory_order_relaxed) == 0;
 }
 
-/// @return the slot to fill, or nothing when there is none and the clock cannot wait.
+/// @return the slot to fill, or nullptr if there is none and the clock cannot wait.
 Journal::Slot* Journal::open_slot() noexcept {
   while (slot_ == nullptr) {
     slot_ = ring_.free_slot();
@@ -217,8 +217,8 @@ void Journal::start_losing() noexcept {
   lost_ = 0;
 }
 
-/// The journal continues after this tick where there is room again: half of the queue, so that a
-/// slow disk does not get one snapshot after the other.
+/// Resumes the journal after this tick once half of the queue is free. Resuming earlier would
+/// burden a slow disk with one snapshot after another.
 void Journal::lose_tick(const AxisBank& bank, std::uint64_t tick) noexcept {
   ++lost_;
   counters_.journal_losses.add();
@@ -271,7 +271,7 @@ void Journal::write() noexcept {
   }
 }
 
-/// @return whether there was anything.
+/// @return whether there was anything to write.
 bool Journal::write_waiting() {
   bool any = false;
   while (Slot* const slot = ring_.front()) {

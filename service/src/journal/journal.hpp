@@ -19,28 +19,29 @@
 
 namespace vdrive::service {
 
-/// Opens the file of a journal, which must not hold anything yet.
-/// @throws ConfigurationError when it does, or cannot be opened
+/// Opens the file of a journal, which must be new or empty.
+/// @throws ConfigurationError when it is not empty, is locked by another bench or cannot be opened
 [[nodiscard]] JournalSink open_journal(const std::filesystem::path& file);
 
-/// A state of the journal to be reported.
+/// A change in the state of the journal that has to be reported.
 struct JournalNews {
   std::uint32_t code = 0;  ///< JournalCode
   EventDetail detail{};
 };
 
-/// Records what a bench does. The thread that steps the bank fills a bounded queue, without lock,
-/// allocation or system call; a thread of its own writes. When the queue is full, a clock that can
-/// wait waits, so that nothing is missing. The wall clock cannot: whole ticks are lost, counted,
-/// and the journal continues with a new snapshot once the queue is half empty.
+/// Records the inputs of a bench and a check of every tick. The thread that steps the bank fills a
+/// bounded queue, without lock, allocation or system call; a separate thread writes the file. When
+/// the queue is full, lock-step and freerun wait, so nothing is missing. Real time cannot wait:
+/// complete ticks are lost and counted, and the journal continues with a new snapshot once the
+/// queue is half empty.
 class Journal {
  public:
-  /// Slots of the queue: at least so many ticks fit.
+  /// Slots of the queue. A tick takes one slot, or several if it has many entries.
   static constexpr std::size_t kSlots = 4096;
-  /// A bench has at most so many rows of checks; up to so many axes have one each.
+  /// The maximum number of check rows. With up to this many axes each axis has its own row.
   static constexpr std::size_t kMostRows = 256;
 
-  /// Writes nothing yet.
+  /// Writes nothing before begin().
   Journal(const Configuration& configuration, JournalSink sink, Counters& counters);
   ~Journal();
   Journal(const Journal&) = delete;
@@ -50,27 +51,28 @@ class Journal {
   /// @throws std::system_error when they cannot be written
   void begin(const AxisBank& bank, std::uint64_t tick);
 
-  /// Writes what waits, and the end. Nothing is recorded afterwards. Idempotent.
+  /// Writes what is queued, and the end mark. Nothing is recorded afterwards. Idempotent.
   void close() noexcept;
 
-  /// The thread that steps the bank, from here on. A change that was accepted, or a write that was
-  /// refused, and whose it was:
+  // The functions below are for the thread that steps the bank.
+
+  /// Records an accepted change or a refused write, and its author.
   void record(const JournalEntry& entry, const JournalAuthor& author) noexcept;
-  /// The state was replaced by that of a snapshot.
+  /// Records that the state was replaced by the state of a snapshot.
   void record_restore(std::shared_ptr<const AxisBank::Snapshot> snapshot,
                       std::uint64_t tick) noexcept;
-  /// A tick was completed.
+  /// Records a completed tick.
   void record_tick(const AxisBank& bank, std::uint64_t tick) noexcept;
 
-  /// @return what has not been reported yet.
+  /// @return the next piece of news that has not been reported yet.
   [[nodiscard]] std::optional<JournalNews> news() noexcept;
 
  private:
-  /// Entries, and what follows them.
+  /// Entries, and what comes after them.
   struct Slot {
     enum class End : std::uint8_t { none, tick, restored, resumed };
 
-    /// A slot has its room from the start: a tick with more entries takes several slots.
+    /// A slot has a fixed size: a tick with more entries takes several slots.
     static constexpr std::size_t kEntries = 64;
 
     End end = End::none;
@@ -103,18 +105,18 @@ class Journal {
   std::thread thread_;
   std::atomic<bool> stop_{false};
   std::atomic<int> error_{0};            ///< errno of the write that failed
-  std::atomic<bool> spare_used_{false};  ///< the writer still needs it
+  std::atomic<bool> spare_used_{false};  ///< the writer still needs `spare_`
 
-  // of the thread that steps the bank
+  // Only for the thread that steps the bank.
   std::shared_ptr<AxisBank::Snapshot> spare_;  ///< to continue with after a loss
   Slot* slot_ = nullptr;                       ///< being filled
-  std::optional<JournalAuthor> author_;        ///< of the last entry; nothing: to be recorded
-  std::uint64_t lost_ = 0;                     ///< in the present loss
+  std::optional<JournalAuthor> author_;        ///< of the last entry; nullopt: record the next one
+  std::uint64_t lost_ = 0;                     ///< ticks in the present loss
   bool losing_ = false;
   bool ended_ = true;
   bool told_losing_ = true;
   bool told_ended_ = false;
-  std::uint64_t resumed_after_ = 0;  ///< to be reported
+  std::uint64_t resumed_after_ = 0;  ///< lost ticks that still have to be reported
 };
 
 }  // namespace vdrive::service

@@ -16,23 +16,23 @@ namespace {
 constexpr std::uint64_t kJournalMagic = 0x6C6E726A76726476ULL;  // "vdrvjrnl"
 constexpr std::uint32_t kVersion = 2;
 constexpr std::uint32_t kFirstVersion = 1;  // without authors and refusals
-constexpr std::size_t kChunkSize = 65'536;  // records are handed over when there is so much of them
+constexpr std::size_t kChunkSize = 65'536;  // [bytes] of records after which a chunk is written
 constexpr std::uint32_t kMostRows = 16'384;
 
-/// Of chunks.
+/// Kinds of chunks.
 constexpr std::uint32_t kStart = 1;
 constexpr std::uint32_t kRecords = 2;
 constexpr std::uint32_t kSnapshot = 3;
 constexpr std::uint32_t kEnd = 4;
 
-/// Of records that are no JournalChange::Kind.
+/// Kinds of records other than JournalChange::Kind.
 constexpr std::uint8_t kTick = 4;
-constexpr std::uint8_t kSameTick = 5;  // every status image is as it was
+constexpr std::uint8_t kSameTick = 5;  // no status image changed
 constexpr std::uint8_t kJump = 6;
 constexpr std::uint8_t kAuthor = 9;
 constexpr std::uint8_t kRefusal = 10;
 
-/// Before the content of each chunk.
+/// Precedes the content of each chunk.
 struct ChunkHead {
   std::uint32_t kind = 0;
   std::uint32_t length = 0;  // of the content
@@ -43,8 +43,8 @@ struct ChunkHead {
 
 constexpr std::size_t kHeadSize = 24;
 
-/// What is written at most into a chunk of each kind: a longer one is forged, not torn. The writer
-/// hands records over with the first one that fills kChunkSize; the longest is a tick that jumped.
+/// The largest content of a chunk of each kind. A longer one is forged, not torn. The writer ends a
+/// chunk with the record that fills kChunkSize; the longest record is a tick that jumped.
 constexpr std::size_t kMostRecords = kChunkSize + 9 + 9 + 4 * (kStatusMembers + kMostRows);
 constexpr std::size_t kMostState = 256U << 20U;  // 16 KiB for each of 16,384 axes
 constexpr std::size_t kEndSize = 24;
@@ -61,8 +61,8 @@ bool has_value(JournalChange::Kind kind) {
   return kind == JournalChange::Kind::write || kind == JournalChange::Kind::stored;
 }
 
-/// Numbers stand in the file as this machine has them, in little-endian byte order:
-/// AxisBank::snapshot_layout knows its kind.
+/// Writes a number as it is in the memory of this machine, in little-endian byte order;
+/// AxisBank::snapshot_layout identifies the kind of machine.
 template <typename Number>
 void put(std::vector<std::byte>& bytes, Number number) {
   static_assert(std::is_integral_v<Number>);
@@ -232,7 +232,7 @@ std::optional<JournalRecord> JournalReader::next() {
   }
 }
 
-/// Takes room only as the bytes come: the length may be forged.
+/// Allocates only as the bytes arrive, because the length may be forged.
 bool JournalReader::read_bytes(std::size_t length) {
   chunk_.clear();
   position_ = 0;
@@ -272,8 +272,8 @@ void JournalReader::require_length(std::uint32_t kind, std::uint32_t length) con
   }
 }
 
-/// The file ends in the present chunk. Nothing proves what is there of it; it only shows how many
-/// ticks were written at least.
+/// Counts the ticks in a chunk that the file ends in. It has no valid check, so the count only says
+/// how many ticks were written at least.
 void JournalReader::count_torn_ticks() {
   try {
     while (kind_ == kRecords && position_ < chunk_.size()) {

@@ -17,19 +17,19 @@
 
 namespace vdrive::service {
 
-/// The file of a journal, as docs/reference/journal.md describes it: chunks with a check each,
-/// records in them.
+// The file format of a journal, described in docs/reference/journal.md: chunks, each with a check,
+// which contain records.
 
-/// A journal cannot be read. The message names the error and its byte.
+/// A journal cannot be read. The message names the error and the byte offset.
 class JournalError : public std::runtime_error {
  public:
   using std::runtime_error::runtime_error;
 };
 
-/// Takes the bytes of a journal. @throws std::system_error when they cannot be kept
+/// Takes the bytes of a journal. @throws std::system_error when they cannot be written
 using JournalSink = std::function<void(std::span<const std::byte> bytes)>;
 
-/// Something that was done to an axis between two ticks.
+/// A change to an axis between two ticks.
 struct JournalChange {
   enum class Kind : std::uint8_t {
     write = 1,
@@ -42,19 +42,19 @@ struct JournalChange {
 
   Kind kind = Kind::write;
   std::uint16_t axis = 0;   ///< index on the bench, from 0
-  ObjectAddress address{};  ///< written, stored
-  std::int64_t value = 0;   ///< written, stored
+  ObjectAddress address{};  ///< write, stored
+  std::int64_t value = 0;   ///< write, stored
 
   friend bool operator==(const JournalChange&, const JournalChange&) = default;
 };
 
-/// Who does what the records after this one say, until the next of these. Before the first one in a
-/// journal, and in those of version 1, it is not known.
+/// The author of the records that follow, up to the next record of this type. Before the first one,
+/// and in journals of version 1, the author is unknown.
 struct JournalAuthor {
   enum class Means : std::uint8_t {
-    none = 0,     ///< the bench itself, such as one that shuts down
-    request = 1,  ///< of a session, acyclic
-    frame = 2,    ///< of a session, with set-points
+    none = 0,     ///< the bench itself, for example while it shuts down
+    request = 1,  ///< an acyclic request of a session
+    frame = 2,    ///< a command frame of a session
   };
 
   Means means = Means::none;
@@ -63,17 +63,17 @@ struct JournalAuthor {
   friend bool operator==(const JournalAuthor&, const JournalAuthor&) = default;
 };
 
-/// A write that was refused: it has changed nothing, and a replay leaves it out.
+/// A refused write. It changed nothing, so a replay skips it.
 struct JournalRefusal {
   std::uint16_t axis = 0;  ///< index on the bench, from 0
   ObjectAddress address{};
   std::int64_t value = 0;
-  std::uint32_t reason = 0;  ///< number of the wire contract, or abort code
+  std::uint32_t reason = 0;  ///< REASON_... of the wire contract, or an SDO abort code
 
   friend bool operator==(const JournalRefusal&, const JournalRefusal&) = default;
 };
 
-/// What happens between two ticks.
+/// A record between two ticks.
 using JournalEntry = std::variant<JournalChange, JournalRefusal, JournalAuthor>;
 
 /// The head of a journal.
@@ -94,19 +94,19 @@ struct JournalTick {
   friend bool operator==(const JournalTick&, const JournalTick&) = default;
 };
 
-/// The whole state of the axes after a tick.
+/// The complete state of the axes after a tick.
 struct JournalSnapshot {
   enum class Cause : std::uint8_t { start = 1, restored = 2, resumed = 3 };
 
   Cause cause = Cause::start;
-  std::uint64_t tick = 0;  ///< the last completed one
-  std::uint64_t lost = 0;  ///< resumed: how many ticks are missing before it
+  std::uint64_t tick = 0;  ///< the last completed tick
+  std::uint64_t lost = 0;  ///< resumed: the number of ticks missing before it
   std::vector<std::byte> state{};
 
   friend bool operator==(const JournalSnapshot&, const JournalSnapshot&) = default;
 };
 
-/// What a journal that was ended properly holds.
+/// The end mark of a journal that was closed properly: its totals.
 struct JournalEnd {
   std::uint64_t ticks = 0;
   std::uint64_t changes = 0;
@@ -121,30 +121,30 @@ using JournalRecord = std::variant<JournalChange, JournalRefusal, JournalAuthor,
 /// Writes a journal.
 class JournalWriter {
  public:
-  /// Writes the head. All members @throws what the sink throws.
+  /// Writes the head. @throws what the sink throws, as all other members do
   JournalWriter(JournalSink sink, const JournalStart& start);
 
   void write(const JournalChange& change);
   void write(const JournalRefusal& refusal);
   void write(const JournalAuthor& author);
   void write(const JournalSnapshot& snapshot);
-  /// A tick whose number is not the next one jumped.
+  /// Writes a tick, and a jump before it if `number` is not the next number.
   void write_tick(std::uint64_t number, const StatusDigest& digest,
                   std::span<const std::uint32_t> rows);
-  /// Hands what waits to the sink.
+  /// Passes the buffered records to the sink.
   void flush();
-  /// The last record.
+  /// Writes the end mark.
   void end();
 
  private:
   void flush_if_large();
 
   JournalSink sink_;
-  std::vector<std::byte> records_;  ///< of the chunk that is being filled
+  std::vector<std::byte> records_;  ///< of the chunk being filled
   std::vector<std::byte> chunk_;
   std::uint32_t sequence_ = 0;
   std::uint64_t last_tick_ = 0;
-  std::optional<std::uint64_t> last_image_;  ///< nothing: the next tick is written in full
+  std::optional<std::uint64_t> last_image_;  ///< nullopt: the next tick is written in full
   JournalEnd totals_;
 };
 
@@ -156,12 +156,12 @@ class JournalReader {
 
   [[nodiscard]] const JournalStart& start() const noexcept { return start_; }
 
-  /// @return whether it has authors and refusals: version 2 and later.
+  /// @return whether it records authors and refusals: version 2 and later.
   [[nodiscard]] bool has_authors() const noexcept { return format_ >= 2; }
 
-  /// @return the next record, or nothing at the end of the file.
-  /// @throws JournalError when something in the middle is damaged or missing. An unfinished chunk
-  /// at the end of the file is left out: a service that was killed leaves such a chunk.
+  /// @return the next record, or nullopt at the end of the file. An unfinished chunk at the end, as
+  ///         a killed service leaves it, is skipped.
+  /// @throws JournalError when something before the end is damaged or missing
   [[nodiscard]] std::optional<JournalRecord> next();
 
   /// @return the number of bytes of the unfinished chunk at the end of the file.
@@ -196,7 +196,7 @@ class JournalReader {
   std::uint64_t torn_bytes_ = 0;
   std::uint64_t torn_ticks_ = 0;
   std::uint32_t sequence_ = 0;
-  JournalTick tick_;  ///< the last one
+  JournalTick tick_;  ///< the last tick
 };
 
 }  // namespace vdrive::service

@@ -30,8 +30,8 @@ std::string speed_text(double number) {
   return text.data();
 }
 
-/// Journals were written with an empty directory where a bench was open; in a configuration that is
-/// an error now.
+/// Older journals of benches without security have an empty `security` directory in their
+/// configuration, which is an error now.
 std::string without_empty_security(std::string configuration) {
   constexpr std::string_view kEmpty = "\n  security: \"\"";
   if (const std::size_t place = configuration.find(kEmpty); place != std::string::npos) {
@@ -52,7 +52,7 @@ Configuration configuration_of(const JournalStart& start) {
   }
 }
 
-/// A journal being replayed. Members that return bool return whether it still agrees.
+/// A journal being replayed. The overloads of apply() return whether it still agrees.
 class Replay {
  public:
   Replay(JournalReader& reader, const ReplayOptions& options)
@@ -199,7 +199,8 @@ class Replay {
     return "axis " + std::to_string(named.number) + " (" + named.name + ")";
   }
 
-  /// The first row and the first member that differ, where the journal has a check of each.
+  /// @return a text that names the first row and the first member that differ, if their checks show
+  ///         them.
   [[nodiscard]] std::string place_of(const StatusDigest& digest, const JournalTick& tick) const {
     const auto row =
         static_cast<std::size_t>(std::ranges::mismatch(rows_, tick.rows).in1 - rows_.begin());

@@ -13,16 +13,16 @@
 
 namespace vdrive::service {
 
-/// What came of a replay.
+/// The result of a replay.
 struct ReplayResult {
-  bool agrees = true;       ///< every check that the journal has
-  bool is_complete = true;  ///< no tick is missing, and the journal has its end
-  std::string text;         ///< one line for people
+  bool agrees = true;       ///< all compared checks agree
+  bool is_complete = true;  ///< no tick is missing, and the journal has its end mark
+  std::string text;         ///< a summary in one line
   std::uint64_t ticks = 0;
   std::uint64_t changes = 0;
 };
 
-/// Is told what a replay does, after it has been done.
+/// Observes a replay. Each function is called after the step that it reports.
 class ReplayObserver {
  public:
   ReplayObserver() = default;
@@ -30,9 +30,9 @@ class ReplayObserver {
   ReplayObserver(const ReplayObserver&) = delete;
   ReplayObserver& operator=(const ReplayObserver&) = delete;
 
-  /// @param has_authors the journal is of a version that records authors and refusals
+  /// @param has_authors whether the journal records authors and refusals
   virtual void begins(const Configuration& configuration, bool has_authors) = 0;
-  /// All axes have the state of `snapshot`.
+  /// All axes now have the state of `snapshot`.
   virtual void restored(const JournalSnapshot& snapshot, const AxisBank& bank) = 0;
   virtual void entered(const JournalChange& change, const AxisBank& bank) = 0;
   virtual void entered(const JournalRefusal& refusal, const AxisBank& bank) = 0;
@@ -40,21 +40,20 @@ class ReplayObserver {
   virtual void stepped(std::uint64_t tick, const AxisBank& bank) = 0;
 };
 
-/// How to replay.
 struct ReplayOptions {
-  std::optional<std::uint32_t> threads{};  ///< that step the axes; nothing = as in the journal
-  std::uint64_t ticks_a_check = 1;         ///< the check of each n-th tick is compared
+  std::optional<std::uint32_t> threads{};  ///< that step the axes; nullopt = as in the journal
+  std::uint64_t ticks_a_check = 1;         ///< only the check of every n-th tick is compared
   ReplayObserver* observer = nullptr;
 };
 
-/// Steps the axes of a journal through what it recorded, as fast as it goes, and compares the check
-/// of every tick. No network, no clock.
-/// @throws JournalError when the file cannot be read, is damaged, or was written by a program whose
-///         state has another layout
+/// Replays a journal as fast as possible, without network or clock, and compares the recorded
+/// checks of the ticks.
+/// @throws JournalError when the file cannot be read, is damaged, or was written by a program with
+///         a different state layout
 [[nodiscard]] ReplayResult replay(const std::filesystem::path& file,
                                   const ReplayOptions& options = {});
 
-/// The same with a journal that is open; messages do not name it.
+/// The same for an open stream; messages do not name the file.
 [[nodiscard]] ReplayResult replay(std::istream& journal, const ReplayOptions& options = {});
 
 }  // namespace vdrive::service

@@ -54,7 +54,7 @@ WindowReplay::Item WindowReplay::next() {
   }
 }
 
-/// @return what is to be shown of it; nothing before the window begins.
+/// @return the item to show; nullopt before the window begins.
 std::optional<WindowReplay::Item> WindowReplay::complete_tick() {
   --ticks_left_;
   step();
@@ -64,7 +64,7 @@ std::optional<WindowReplay::Item> WindowReplay::complete_tick() {
   return Item::state;
 }
 
-/// @return whether it is to be shown.
+/// @return whether the entry is shown.
 bool WindowReplay::take(const BoxEntry& entry) {
   if (entry.kind == BoxEntry::Kind::ticks) {
     ticks_left_ = static_cast<std::uint64_t>(entry.value);
@@ -80,7 +80,7 @@ bool WindowReplay::take(const BoxEntry& entry) {
   return is_shown_;
 }
 
-/// @return whether the state is to be shown: it is another one than the last tick has left.
+/// @return whether the state is shown, because it differs from the one after the last tick.
 bool WindowReplay::open_segment() {
   using Cause = BlackBox::Segment::Cause;
   const BlackBox::Segment& segment = box_->segment(window_.segments[next_segment_]);
@@ -101,7 +101,7 @@ void WindowReplay::step() {
   ++tick_;
 }
 
-/// Events of the bench as a whole are, too.
+/// Events of the bench itself are of interest, too.
 bool WindowReplay::is_of_interest(const BoxEntry& entry) const {
   if (entry.kind != BoxEntry::Kind::event) return is_wanted_[entry.axis];
   if (entry.axis == 0) return true;
@@ -112,7 +112,7 @@ bool WindowReplay::is_of_interest(const BoxEntry& entry) const {
 
 void WindowReplay::apply(const BoxEntry& entry) {
   if (entry.kind != BoxEntry::Kind::change) return;
-  // What was accepted is accepted again: the state is the same to the bit.
+  // Each recorded change was accepted, and is accepted again: the state is identical to the bit.
   switch (entry.change) {
     case JournalChange::Kind::write:
       static_cast<void>(bank_.write(entry.axis, entry.address, entry.value));

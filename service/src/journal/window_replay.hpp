@@ -13,15 +13,15 @@
 
 namespace vdrive::service {
 
-/// Computes a window of the black box again, for some axes: their blocks alone are stepped. The
-/// window is held while this object is used; it may be used in another thread than the box.
+/// Recomputes a window of the black box for some axes; only their blocks are stepped. The caller
+/// holds the window while it uses this object, which may be in another thread than the box.
 class WindowReplay {
  public:
-  /// Where the replay has arrived.
+  /// What next() has reached.
   enum class Item : std::uint8_t {
-    state,  ///< the window begins here, or goes on with another state: `cause()`
-    tick,   ///< the axes have completed it
-    entry,  ///< `entry()` was done to one of the axes, by `author()`, or is an event
+    state,  ///< the window begins here, or continues with a different state: `cause()`
+    tick,   ///< the axes have completed a tick
+    entry,  ///< a change to one of the axes by `author()`, or an event: `entry()`
     end,
   };
 
@@ -32,10 +32,10 @@ class WindowReplay {
   /// @param axes indexes on the bench
   void start(const BlackBox& box, const Window& window, std::span<const std::size_t> axes);
 
-  /// @return what comes next.
+  /// Advances to the next item.
   Item next();
 
-  /// Of the last item: the last completed tick.
+  /// @return the last completed tick at the last item.
   [[nodiscard]] std::uint64_t tick() const noexcept { return tick_; }
 
   [[nodiscard]] BlackBox::Segment::Cause cause() const noexcept { return cause_; }
@@ -62,7 +62,7 @@ class WindowReplay {
   std::vector<std::size_t> groups_;
   std::size_t next_segment_ = 0;
   std::optional<BlackBox::Entries> entries_;
-  std::uint64_t ticks_left_ = 0;  ///< of the entry that counts ticks
+  std::uint64_t ticks_left_ = 0;  ///< of the present ticks entry
   std::uint64_t tick_ = 0;
   BlackBox::Segment::Cause cause_{};
   BoxEntry entry_;
