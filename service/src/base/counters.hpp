@@ -16,7 +16,7 @@
 
 namespace vdrive::service {
 
-/// A number that only grows: any thread counts up, others read.
+/// A number that only grows. Any thread may add to it or read it.
 class Counter {
  public:
   void add(std::uint64_t amount = 1) noexcept {
@@ -31,7 +31,7 @@ class Counter {
   std::atomic<std::uint64_t> value_{0};
 };
 
-/// A number that rises and falls: one thread sets it, others read.
+/// A number that rises and falls. One thread sets it, others read it.
 template <typename Value = std::uint64_t>
 class Gauge {
  public:
@@ -43,8 +43,8 @@ class Gauge {
   std::atomic<Value> value_{};
 };
 
-/// The number of a tick and how many ticks the number has jumped over until then. One thread sets
-/// them, others read both as they belong together.
+/// The number of a tick, and how many ticks the number has jumped over so far. One thread sets
+/// them, others read a consistent pair.
 class TickNumber {
  public:
   struct Reading {
@@ -54,7 +54,7 @@ class TickNumber {
 
   void set(std::uint64_t tick) noexcept { tick_.store(tick, std::memory_order_release); }
 
-  /// The number jumps to `tick`. @param skipped all that it has jumped over by now
+  /// Makes the number jump to `tick`. @param skipped all ticks jumped over so far
   void jump(std::uint64_t tick, std::uint64_t skipped) noexcept {
     begun_.store(skipped, std::memory_order_release);
     tick_.store(tick, std::memory_order_release);
@@ -63,7 +63,8 @@ class TickNumber {
 
   [[nodiscard]] std::uint64_t get() const noexcept { return tick_.load(std::memory_order_acquire); }
 
-  /// In the opposite order of jump(): a jump meanwhile shows two different counts.
+  /// Reads in the opposite order of jump(), so that a jump in between shows as two different
+  /// counts.
   [[nodiscard]] Reading read() const noexcept {
     while (true) {
       const std::uint64_t skipped = ended_.load(std::memory_order_acquire);
@@ -78,8 +79,8 @@ class TickNumber {
   std::atomic<std::uint64_t> ended_{0};
 };
 
-/// Counts the refusals by reason (REASON_... or a CiA 301 abort code). Bounded: there are more
-/// slots than reasons.
+/// Counts refusals by reason (REASON_... or a CiA 301 abort code). The slots are fixed: there are
+/// more of them than reasons.
 class RefusalCounters {
  public:
   struct Count {
@@ -98,7 +99,7 @@ class RefusalCounters {
     }
   }
 
-  /// @return the reasons that were given at least once, the one given first at the front.
+  /// @return the reasons that occurred, in the order of their first occurrence.
   [[nodiscard]] std::vector<Count> counts() const {
     std::vector<Count> counts;
     for (const Slot& slot : slots_) {
@@ -118,11 +119,11 @@ class RefusalCounters {
   std::array<Slot, 64> slots_;
 };
 
-/// What a bench counts and measures from its start on, and shows: see `kCounterRows`.
+/// All counters and measurements of a bench since its start. `kCounterRows` publishes them.
 struct Counters {
   static constexpr std::size_t kLatenessBins = 32;
 
-  TickNumber tick;  ///< last completed
+  TickNumber tick;  ///< last completed tick
   Counter ticks_run;
   Counter overruns;
   Counter jumps;
@@ -144,25 +145,25 @@ struct Counters {
   Counter queue_overflows;
   Counter status_images_lost;   ///< of `queue_overflows`: between the tick and the status thread
   Counter status_samples_lost;  ///< of `queue_overflows`: between engine and wire
-  Counter malformed;            ///< samples that arrived and could not be decoded
-  Counter wire_starts;          ///< wires started, the first one included
+  Counter malformed;            ///< received samples that could not be decoded
+  Counter wire_starts;          ///< wires started, including the first one
   Gauge<> wire_is_up;           ///< 1 while the wire runs
-  Gauge<> wire_resident;        ///< memory of its process [bytes], 0 = it has none of its own
+  Gauge<> wire_resident;        ///< memory of the wire's process [bytes], 0 = no separate process
   Counter datagrams_dropped;    ///< datagrams that the guard in front of the DDS library dropped
   Counter master_losses;
   Gauge<> longest_silence_us;  ///< of an owner of axes, in drive time
   Counter saves;               ///< axes whose stored parameters became durable
   Counter save_failures;       ///< axes whose parameters could not be stored
-  Gauge<> snapshots;           ///< kept now
+  Gauge<> snapshots;           ///< kept at present
   Counter journal_ticks;       ///< written
-  Counter journal_losses;      ///< ticks that are missing in the journal
+  Counter journal_losses;      ///< ticks missing from the journal
   Gauge<double> rate;          ///< realtime: drive time over wall time, 0 = paused
   Gauge<> steppers;            ///< lock-step: sessions that joined the clock
   Gauge<> slowest_stepper;     ///< session that granted the fewest ticks, 0 = none
-  Counter wall_steps;          ///< steps of the wall clock that were seen
+  Counter wall_steps;          ///< steps of the wall clock that were detected
   Gauge<double> wall_offset;   ///< of the wall clock ahead of drive time [s]
 
-  /// Counts a tick that started `late` after its time.
+  /// Counts a tick that started `late` after its due time.
   void count_lateness(std::chrono::nanoseconds late) noexcept {
     const auto microseconds =
         late.count() > 0 ? static_cast<std::uint64_t>(late.count()) / 1'000 : 0;
@@ -174,15 +175,15 @@ struct Counters {
   [[nodiscard]] std::uint64_t ticks_skipped() const noexcept { return tick.read().skipped; }
 };
 
-/// How /metrics shows a number. Neighbours of one name are told apart by the label `queue`.
+/// How /metrics shows a number. Adjacent rows with the same name differ in the label `queue`.
 struct MetricText {
-  std::string_view name{};  ///< that of a counter ends in _total
+  std::string_view name{};  ///< ends in _total for a counter
   std::string_view help{};
   std::string_view queue{};
 };
 
-/// A figure of bench_state, and where its value comes from. Its kind, unit and help are those of
-/// the IDL; so is its name in /metrics, unless `metric` has another one.
+/// A figure of bench_state and the source of its value. Its kind, unit and help come from the IDL,
+/// and so does its name in /metrics unless `metric` gives another one.
 template <typename Value, typename Source>
 struct FigureRow {
   Value msg::BenchState::*figure;
@@ -194,7 +195,7 @@ template <typename Value, typename Source>
 FigureRow(Value msg::BenchState::*, Source Counters::*, MetricText = {})
     -> FigureRow<Value, Source>;
 
-/// A number that only /metrics shows.
+/// A number that is only in /metrics.
 template <typename Source>
 struct MetricRow {
   Source Counters::*source;
@@ -204,7 +205,7 @@ struct MetricRow {
 template <typename Source>
 MetricRow(Source Counters::*, MetricText) -> MetricRow<Source>;
 
-/// In the order of /metrics. It does not compile while a figure of the IDL has no row.
+/// In the order of /metrics. Does not compile if a figure of the IDL has no row.
 inline constexpr std::tuple kCounterRows{
     MetricRow{&Counters::tick, {"vdrive_tick", "Number of the last tick"}},
     MetricRow{&Counters::rate,

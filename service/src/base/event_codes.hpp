@@ -3,22 +3,22 @@
 
 #include <cstdint>
 
-/// The codes of the events that report one of several things. The comment names the detail of the
-/// event (event_record.hpp) where there is one.
+/// The codes of events that can report several things. The comments name the detail of the event
+/// (event_record.hpp), if it has one.
 namespace vdrive::service {
 
 /// Codes of EVENT_JOURNAL.
 struct JournalCode {
   static constexpr std::uint32_t kLosing = 1;   ///< the writer is too slow: ticks are lost
-  static constexpr std::uint32_t kResumed = 2;  ///< it continues; a Count of lost ticks
-  static constexpr std::uint32_t kEnded = 3;    ///< it cannot be written any more; a SystemError
+  static constexpr std::uint32_t kResumed = 2;  ///< the journal continues; a Count of lost ticks
+  static constexpr std::uint32_t kEnded = 3;    ///< the file cannot be written; a SystemError
 };
 
 /// Codes of EVENT_PARAMETERS.
 struct ParameterCode {
   static constexpr std::uint32_t kLoaded = 1;      ///< a Count of axes
-  static constexpr std::uint32_t kPrevious = 2;    ///< the set before is in force; a StoredProblem
-  static constexpr std::uint32_t kDefaults = 3;    ///< configured values are; a StoredProblem
+  static constexpr std::uint32_t kPrevious = 2;    ///< the previous set is used; a StoredProblem
+  static constexpr std::uint32_t kDefaults = 3;    ///< configured values are used; a StoredProblem
   static constexpr std::uint32_t kSaveFailed = 4;  ///< a SystemError
 };
 
@@ -29,7 +29,7 @@ struct SnapshotCode {
   static constexpr std::uint32_t kDropped = 3;
 };
 
-/// Codes of EVENT_WALL_CLOCK; each with the time that the wall clock is ahead of drive time.
+/// Codes of EVENT_WALL_CLOCK; each with the time by which the wall clock is ahead of drive time.
 struct WallClockCode {
   static constexpr std::uint32_t kSteered = 1;
   static constexpr std::uint32_t kJumped = 2;
@@ -38,8 +38,8 @@ struct WallClockCode {
 /// Codes of EVENT_WIRE.
 struct WireCode {
   static constexpr std::uint32_t kLost = 1;   ///< a wire ended or was ended; a WireLoss
-  static constexpr std::uint32_t kRuns = 2;   ///< another one runs; the time without
-  static constexpr std::uint32_t kLater = 3;  ///< it ends again and again; the delay
+  static constexpr std::uint32_t kRuns = 2;   ///< another wire runs; the time without one
+  static constexpr std::uint32_t kLater = 3;  ///< the next start is delayed; the delay
 };
 
 }  // namespace vdrive::service

@@ -28,7 +28,6 @@ void EventLimiter::flush(std::chrono::nanoseconds now, std::vector<CountedEvent>
   std::erase_if(windows_, [&](const auto& entry) {
     const Window& window = entry.second;
     if (now - window.begin < kWindow) return false;
-    // The last of them is reported, with the count of the others.
     if (const std::uint64_t left_out = window.limit.left_out(); left_out > 0) {
       passed.push_back({window.last, left_out - 1});
     }

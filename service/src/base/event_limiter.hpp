@@ -13,27 +13,27 @@
 
 namespace vdrive::service {
 
-/// An event that is let through, and how many equal ones were left out before it.
+/// An event that passed, and how many equal ones were suppressed before it.
 struct CountedEvent {
   EventRecord event;
   std::uint64_t suppressed = 0;
 };
 
-/// Passes a bounded number of equal events and counts the rest. Two events are equal when
-/// kind, axis, code and session are.
+/// Passes a limited rate of equal events and counts the rest. Two events are equal if their kind,
+/// axis, code and session are.
 class EventLimiter {
  public:
-  /// An event that is followed by none of its kind for so long leaves no trace; see flush().
+  /// How long equal events are counted together; see flush().
   static constexpr std::chrono::seconds kWindow{1};
   static constexpr TokenBucket::Rate kEqual{.per_second = 20.0, .burst = 20.0};
   static constexpr TokenBucket::Rate kAll{.per_second = 8'000.0, .burst = 8'000.0};
   static constexpr std::size_t kMostKinds = 4'096;
 
-  /// Appends to `passed` what may be sent now: this event, or nothing.
+  /// Appends this event to `passed` if it may be sent now.
   void offer(const EventRecord& event, std::chrono::nanoseconds now,
              std::vector<CountedEvent>& passed);
 
-  /// Appends the last of those events that were left out, once their window is over.
+  /// For each window that is over, appends its last suppressed event, with the count of the others.
   void flush(std::chrono::nanoseconds now, std::vector<CountedEvent>& passed);
 
  private:
@@ -47,7 +47,7 @@ class EventLimiter {
 
   std::map<Key, Window> windows_;
   TokenBucket all_{kAll};
-  std::uint64_t forgotten_ = 0;  ///< left out, of kinds that are no longer remembered
+  std::uint64_t forgotten_ = 0;  ///< suppressed events of windows that were dropped
 };
 
 }  // namespace vdrive::service

@@ -12,14 +12,14 @@
 
 namespace vdrive::service {
 
-/// How many: axes, ticks, set-points, messages.
+/// A number of axes, ticks, set-points or messages.
 struct Count {
   std::uint64_t value = 0;
 
   friend bool operator==(const Count&, const Count&) = default;
 };
 
-/// Axes whose owner sent nothing to the bench in time.
+/// Axes whose owner was silent for too long.
 struct LostAxes {
   std::uint64_t count = 0;
   std::uint64_t silence_ms = 0;  ///< of the owner, in drive time
@@ -31,12 +31,12 @@ struct LostAxes {
 struct Overruns {
   std::uint64_t count = 0;
   std::chrono::microseconds worst{0};
-  std::chrono::milliseconds span{0};  ///< from the first of them on
+  std::chrono::milliseconds span{0};  ///< since the first one
 
   friend bool operator==(const Overruns&, const Overruns&) = default;
 };
 
-/// A number that names something: a snapshot, an incarnation.
+/// A number that identifies something: a snapshot, an incarnation, a session.
 struct Label {
   std::uint64_t value = 0;
 
@@ -46,67 +46,67 @@ struct Label {
 /// A request or a command frame that was refused.
 struct RefusedMessage {
   std::uint64_t number = 0;   ///< of the request or the frame
-  std::uint64_t late_by = 0;  ///< [ticks] since the one that the frame was meant for
+  std::uint64_t late_by = 0;  ///< ticks since the target tick of the frame
 
   friend bool operator==(const RefusedMessage&, const RefusedMessage&) = default;
 };
 
-/// Drive time over wall time.
+/// The ratio of drive time to wall time.
 struct NewRate {
   double value = 1.0;
 
   friend bool operator==(const NewRate&, const NewRate&) = default;
 };
 
-/// Why a stepper is no longer one.
+/// Why a session stopped being a stepper.
 enum class Parting : std::uint8_t {
   left,    ///< it left by request
   silent,  ///< nothing arrived from it while others waited
   gone,    ///< its participant left the network
 };
 
-/// What an operation of the system answered: an errno.
+/// The errno of a failed system call.
 struct SystemError {
   int number = 0;
 
-  /// @return such as "No space left on device".
+  /// @return for example "No space left on device".
   [[nodiscard]] std::string text() const;
 
   friend bool operator==(const SystemError&, const SystemError&) = default;
 };
 
-/// What is wrong with stored parameters.
+/// A problem with stored parameters.
 struct StoredProblem {
   ParameterProblem problem = ParameterProblem::none;
   std::uint64_t number = 0;  ///< see ParameterProblem
 
-  /// @return such as "damaged".
+  /// @return for example "damaged".
   [[nodiscard]] std::string text() const;
 
   friend bool operator==(const StoredProblem&, const StoredProblem&) = default;
 };
 
-/// Why a wire is gone.
+/// Why a wire ended or was ended.
 struct WireLoss {
   enum class Cause : std::uint8_t {
-    signal,     ///< value: its number
-    exit_code,  ///< value: the code
-    no_start,   ///< it did not come up in time
-    hangs,      ///< its pumps made no round
-    deaf,       ///< no probe came through discovery and data
-    memory,     ///< value: what it used [MiB]
+    signal,     ///< value: signal number
+    exit_code,  ///< value: exit code
+    no_start,   ///< it was not ready in time
+    hangs,      ///< its pumps completed no round
+    deaf,       ///< no probe arrived through discovery and data
+    memory,     ///< value: memory used [MiB]
   };
 
   Cause cause = Cause::signal;
   std::uint32_t value = 0;
 
-  /// @return such as "signal 6 (Aborted)".
+  /// @return for example "ended by signal 6 (Aborted)".
   [[nodiscard]] std::string text() const;
 
   friend bool operator==(const WireLoss&, const WireLoss&) = default;
 };
 
-/// What an event contains beside its axis, session and code:
+/// The content of an event apart from its axis, session and code:
 ///
 /// | event | detail |
 /// | --- | --- |
@@ -114,19 +114,19 @@ struct WireLoss {
 /// | set-point ignored, control changed, tick jumped, queue overflow | Count |
 /// | master lost | LostAxes |
 /// | tick overrun | Overruns |
-/// | wall clock | how far the wall clock is ahead of drive time |
-/// | clock changed | NewRate, or why a stepper left: Parting |
+/// | wall clock | time by which the wall clock is ahead of drive time |
+/// | clock changed | NewRate, or the Parting of a stepper |
 /// | snapshot, bench conflict | Label |
 /// | stopped | Label of the owner's session |
 /// | journal | Count of lost ticks, or SystemError |
 /// | parameters | Count of axes, StoredProblem, or SystemError |
-/// | wire | WireLoss, or the time without one, or until the next one |
-/// | any other | nothing |
+/// | wire | WireLoss, or the time without a wire, or until the next start |
+/// | any other | none |
 using EventDetail =
     std::variant<std::monostate, Count, LostAxes, Overruns, Label, RefusedMessage, NewRate, Parting,
                  SystemError, StoredProblem, WireLoss, std::chrono::microseconds>;
 
-/// Something to report, before it becomes text.
+/// An event before it is formatted as text.
 struct EventRecord {
   msg::EventKind kind{};
   std::uint16_t axis = 0;  ///< number on the bench, 0 = the bench

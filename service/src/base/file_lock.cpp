@@ -21,7 +21,7 @@
 namespace vdrive::service {
 namespace {
 
-/// The files of this process that have a lock.
+/// The files that this process has locked.
 struct LockedFiles {
   std::mutex mutex;
   std::vector<int> files;
@@ -31,7 +31,7 @@ void begin_fork();
 void end_fork() noexcept;
 void begin_child() noexcept;
 
-/// Never destroyed: a process may end while another thread of it forks.
+/// Never destroyed: another thread may fork while the process ends.
 LockedFiles& locked_files() {
   // NOLINTNEXTLINE(*-avoid-non-const-global-variables): of the process, as its files are
   static LockedFiles* const only = [] {
@@ -49,14 +49,14 @@ void end_fork() noexcept {
   locked_files().mutex.unlock();
 }
 
-/// The objects of the parent that have these files are not used in the child.
+/// The child does not use the objects of its parent that own these files.
 void begin_child() noexcept {
   for (const int file : locked_files().files) ::close(file);
   locked_files().files.clear();
   locked_files().mutex.unlock();
 }
 
-/// @return the process that has the lock, as the kernel lists it; empty where it lists none.
+/// @return the process that the kernel lists as the holder of the lock; empty if it lists none.
 std::string listed_holder(int file) {
   struct stat status {};
 
@@ -67,7 +67,7 @@ std::string listed_holder(int file) {
   std::ifstream locks("/proc/locks");
   std::string line;
   while (std::getline(locks, line)) {
-    // Number, FLOCK, ADVISORY, WRITE, process, file, first and last byte.
+    // number, FLOCK, ADVISORY, WRITE, process, file, first and last byte
     std::istringstream words(line);
     const std::vector<std::string> fields{std::istream_iterator<std::string>(words), {}};
     if (fields.size() > 5 && fields[1] == "FLOCK" && fields[5] == wanted.str()) return fields[4];

@@ -10,10 +10,10 @@
 
 namespace vdrive::service {
 
-/// A fixed number of slots, of which each is made when it is first reached. The memory of all of
-/// them is reserved at the beginning, so that nothing allocates later, as far as making a slot does
-/// not, but the kernel gives a page of it when it is first written: slots that are not used cost no
-/// memory (Pages). For one thread.
+/// A fixed number of slots, each constructed when it is first reached. Address space for all of
+/// them is reserved at the start, so nothing allocates later (unless the constructor of a slot
+/// does), but the kernel provides a page only when it is first written: unused slots cost no memory
+/// (Pages). For one thread.
 template <typename Slot>
 class LazySlots {
  public:
@@ -28,21 +28,22 @@ class LazySlots {
   LazySlots(const LazySlots&) = delete;
   LazySlots& operator=(const LazySlots&) = delete;
 
-  /// @param place below the capacity; @return the slot, made together with those before it.
+  /// @param place below the capacity
+  /// @return the slot; it and all slots before it are constructed if they were not
   [[nodiscard]] Slot& reach(std::size_t place) {
     ensure(place < capacity_, "the place of a slot is below the capacity");
     for (; made_ <= place; ++made_) std::construct_at(slots_ + made_);
     return slots_[place];
   }
 
-  /// @param place that was reached before
+  /// @param place already reached
   [[nodiscard]] Slot& operator[](std::size_t place) noexcept { return slots_[place]; }
 
   [[nodiscard]] const Slot& operator[](std::size_t place) const noexcept { return slots_[place]; }
 
   [[nodiscard]] std::size_t capacity() const noexcept { return capacity_; }
 
-  /// Those that have been reached.
+  /// @return the slots that have been reached.
   [[nodiscard]] std::span<Slot> made() noexcept { return {slots_, made_}; }
 
  private:

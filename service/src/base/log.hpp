@@ -11,11 +11,11 @@
 
 namespace vdrive::service {
 
-/// Of a line of the log that whoever sends to the service can repeat.
+/// The rate limit of a log line that any sender on the network can provoke.
 inline constexpr TokenBucket::Rate kRepeatedLines{.per_second = 1.0, .burst = 1.0};
 
-/// Whether the process is a program of vdrive, whose log goes to the default logger of spdlog. In
-/// the process of a user a bench writes no log: that logger is the user's.
+/// Whether the process is a program of vdrive, which logs to the default logger of spdlog. A bench
+/// in a user's process writes no log, because that logger belongs to the user.
 [[nodiscard]] inline std::atomic<bool>& is_program_of_vdrive() noexcept {
   static std::atomic<bool> is_program{false};
   return is_program;
@@ -25,9 +25,8 @@ inline constexpr TokenBucket::Rate kRepeatedLines{.per_second = 1.0, .burst = 1.
   return is_program_of_vdrive().load(std::memory_order_relaxed) && spdlog::should_log(level);
 }
 
-/// Writes a line to the log of the service. spdlog formats in templates: each source file that
-/// calls them compiles the formatter of all types again, 75 KiB. Here the formatter of libfmt is
-/// called.
+/// Writes a line to the log of the service. Formats with libfmt: the templates of spdlog would
+/// compile the formatter of all types into each source file that uses them, 75 KiB each.
 template <typename... Arguments>
 void log(spdlog::level::level_enum level, fmt::format_string<Arguments...> format,
          Arguments&&... arguments) {

@@ -11,7 +11,7 @@ Pages::Pages(std::size_t size) {
   if (size == 0) return;
   constexpr int kFlags = MAP_PRIVATE | MAP_ANONYMOUS | MAP_NORESERVE;
   void* const memory = mmap(nullptr, size, PROT_READ | PROT_WRITE, kFlags, -1, 0);
-  // The kernel's answer is MAP_FAILED, a cast of -1.
+  // MAP_FAILED is a cast of -1.
   if (memory == MAP_FAILED) {  // NOLINT(*-cstyle-cast, performance-no-int-to-ptr)
     throw std::bad_alloc();
   }

@@ -6,11 +6,13 @@
 
 namespace vdrive::service {
 
-/// Memory of this process of which the kernel gives a page when it is first written, and takes all
-/// back at the end. The heap of the C library keeps what ends, and uses it again at other places: a
-/// process that makes benches again and again would have touched all of it in the end. Not
-/// reserved: a program of a thousand benches has some 26 GB of such memory and uses little of it.
-/// If the kernel counted it, a fork of that program would fail.
+/// Memory mapped for this object alone: the kernel provides a page when it is first written, and
+/// gets all pages back when the object is destroyed. The heap of the C library would keep freed
+/// memory and reuse it elsewhere, so a process that creates benches again and again would finally
+/// have touched all of it.
+///
+/// Mapped with MAP_NORESERVE: a program with a thousand benches has some 26 GB of such memory and
+/// uses little of it. If the kernel accounted for all of it, that program could not fork.
 class Pages {
  public:
   /// @param size [bytes]; @throws std::bad_alloc
@@ -19,7 +21,7 @@ class Pages {
   Pages(const Pages&) = delete;
   Pages& operator=(const Pages&) = delete;
 
-  /// @return the memory, all zero at first.
+  /// @return the memory, initially zero.
   [[nodiscard]] std::span<std::byte> memory() const noexcept { return memory_; }
 
  private:

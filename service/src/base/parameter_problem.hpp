@@ -6,20 +6,20 @@
 
 namespace vdrive::service {
 
-/// What can be wrong with a file of parameters, or with what it holds of one axis.
+/// A problem with a parameter file, or with the parameters of one axis in it.
 enum class ParameterProblem : std::uint8_t {
   none,
   unreadable,       ///< number: errno
-  empty,            ///< no byte in it
-  too_large,        ///< number: its size
-  damaged,          ///< not as it was written: torn, changed, or never a file of parameters
+  empty,            ///< 0 bytes
+  too_large,        ///< number: size [bytes]
+  damaged,          ///< torn, modified, or never a parameter file
   unknown_version,  ///< number: the version
-  missing,          ///< gone without an interrupted save, while the one before it is there
-  unknown_object,   ///< of an axis: number: index * 256 + sub-index
-  refused_value,    ///< of an axis: likewise
+  missing,          ///< absent without an interrupted save, although the previous file exists
+  unknown_object,   ///< of an axis; number: index * 256 + sub-index
+  refused_value,    ///< of an axis; number: as for unknown_object
 };
 
-/// @return such as "damaged" or "version 2 of the format is not supported".
+/// @return for example "damaged" or "version 2 of the format is not supported".
 [[nodiscard]] std::string describe_problem(ParameterProblem problem, std::uint64_t number);
 
 }  // namespace vdrive::service

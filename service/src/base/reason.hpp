@@ -8,9 +8,9 @@
 
 namespace vdrive::service {
 
-/// Why a request, a command frame or the write of one object is refused: a reason of the wire
-/// contract, or an abort code of the dictionary (CiA 301, table "SDO abort codes").
-/// The wire has one number for both, and they do not overlap.
+/// Why a request, a command frame or the write of one object was refused: a reason of the wire
+/// contract, or an abort code of the dictionary (CiA 301, table "SDO abort codes"). On the wire
+/// both share one number; their ranges do not overlap.
 class Reason {
  public:
   /// Not refused.
@@ -23,10 +23,10 @@ class Reason {
   // NOLINTNEXTLINE(google-explicit-constructor,hicpp-explicit-conversions): `return code`
   constexpr Reason(AbortCode code) noexcept : code_(static_cast<msg::Reason>(wire_code(code))) {}
 
-  /// @return what messages have.
+  /// @return the reason as messages contain it.
   [[nodiscard]] constexpr msg::Reason on_wire() const noexcept { return code_; }
 
-  /// @return its number, in the counters and in events.
+  /// @return the number, as in counters and events.
   [[nodiscard]] constexpr std::uint32_t code() const noexcept {
     return static_cast<std::uint32_t>(code_);
   }
@@ -36,7 +36,7 @@ class Reason {
   friend constexpr bool operator==(Reason, Reason) noexcept = default;
 
  private:
-  /// That of the standard's table with the lowest number.
+  /// The lowest number in the table of the standard.
   static constexpr std::uint32_t kFirstAbortCode = wire_code(AbortCode::toggle_bit_not_alternated);
 
   msg::Reason code_ = msg::Reason::none;

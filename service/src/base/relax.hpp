@@ -3,7 +3,7 @@
 
 namespace vdrive::service {
 
-/// The pause instruction: this thread waits, and the other thread of the core gets its resources.
+/// The pause instruction: for spin loops; leaves the core's resources to its other hardware thread.
 inline void relax() noexcept {
 #if defined(__x86_64__) || defined(__i386__)
   __builtin_ia32_pause();

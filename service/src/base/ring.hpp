@@ -10,15 +10,15 @@
 
 namespace vdrive::service {
 
-/// Bounded queue from one producer thread to one consumer thread without locks. Messages stay where
-/// they are: the producer fills a slot in place, the consumer reads it in place, and a slot keeps
-/// the capacity of its sequences for the next message. So nothing allocates once it is warm. An
-/// empty queue continues with its first slot: a queue that is seldom full uses few slots, which
-/// stay in the caches; those that were never used cost no memory (LazySlots).
+/// Bounded, lock-free queue from one producer thread to one consumer thread. The producer fills a
+/// slot in place, the consumer reads it in place, and a slot keeps the capacity of its sequences
+/// for the next message, so nothing allocates once it is warm. An empty queue restarts at its first
+/// slot: a queue that is seldom full uses few slots, which stay in the caches; slots that were
+/// never used cost no memory (LazySlots).
 template <typename Message>
 class Ring {
  public:
-  /// @param capacity how many messages fit, at least 1
+  /// @param capacity [messages], at least 1
   explicit Ring(std::size_t capacity) : slots_(capacity) {}
 
   /// Producer: @return a slot to fill, or nullptr when the queue is full.
@@ -31,7 +31,7 @@ class Ring {
     return &slots_.reach(filled_ % slots_.capacity());
   }
 
-  /// Producer: hands the slot of the last `free_slot` over.
+  /// Producer: hands over the slot of the last `free_slot`.
   void push() noexcept {
     ensure(filled_ >= tail_.load(std::memory_order_relaxed), "a slot is handed over once");
     if (filled_ != tail_.load(std::memory_order_relaxed)) {
@@ -47,7 +47,7 @@ class Ring {
     return &slots_[first_of(head) % slots_.capacity()];
   }
 
-  /// Consumer: gives the slot of `front` back.
+  /// Consumer: gives back the slot of `front`.
   void pop() noexcept {
     const std::size_t head = head_.load(std::memory_order_relaxed);
     ensure(head != tail_.load(std::memory_order_relaxed), "a message was at the front");
@@ -63,7 +63,7 @@ class Ring {
 
   [[nodiscard]] std::size_t capacity() const noexcept { return slots_.capacity(); }
 
-  /// Prepares every slot before the threads start, for example reserves its sequences.
+  /// Prepares every slot before the threads start, for example to reserve its sequences.
   template <typename Function>
   void for_each_slot(Function function) {
     for (std::size_t place = 0; place < capacity(); ++place) function(slots_.reach(place));
@@ -72,17 +72,17 @@ class Ring {
  private:
   static constexpr std::size_t kCacheLine = 64;
 
-  /// @return the position of the oldest message, where there is one: nothing is before `begin_`.
+  /// @return the position of the oldest message, if there is one; there is none before `begin_`.
   [[nodiscard]] std::size_t first_of(std::size_t head) const noexcept {
     return std::max(head, begin_.load(std::memory_order_relaxed));
   }
 
-  LazySlots<Message> slots_;  ///< the producer makes them
-  // Positions only grow; a message is in the slot of its position modulo their number.
+  LazySlots<Message> slots_;  ///< constructed by the producer
+  // Positions only grow; a message is in the slot of its position modulo the capacity.
   alignas(kCacheLine) std::atomic<std::size_t> head_{0};
   alignas(kCacheLine) std::atomic<std::size_t> tail_{0};
-  std::atomic<std::size_t> begin_{0};  ///< where the queue went on when it was empty
-  std::size_t filled_ = 0;             ///< the producer's: of the last `free_slot`
+  std::atomic<std::size_t> begin_{0};  ///< where the queue restarted when it was last empty
+  std::size_t filled_ = 0;             ///< for the producer: position of the last `free_slot`
 };
 
 }  // namespace vdrive::service

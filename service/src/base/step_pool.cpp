@@ -13,8 +13,8 @@
 namespace vdrive::service {
 namespace {
 
-// What happens between two rounds of a free-running bench, and between the ends of two parts. A
-// thread that sleeps takes 5 to 50 us to wake, and a system call of the one that wakes it.
+// Covers the time between two rounds of a bench in freerun, and between the ends of two parts. A
+// sleeping thread takes 5 to 50 us to wake and costs the waking thread a system call.
 constexpr std::chrono::microseconds kLongestSpin{50};
 constexpr int kLooksPerReadingOfTheClock = 64;
 

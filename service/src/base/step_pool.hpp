@@ -12,25 +12,25 @@
 
 namespace vdrive::service {
 
-/// Threads that share the work of a tick: each takes a contiguous part, the calling thread the
+/// Threads that share the work of a tick. Each takes a contiguous part, the calling thread the
 /// first one. The result does not depend on the number of threads. Idle threads spin briefly, then
 /// sleep.
 class StepPool {
  public:
-  /// @param threads including the calling one, at least 1; more than there are groups of the bank
-  ///        stay idle
+  /// @param threads including the calling one, at least 1; at most one per group of the bank is
+  /// used
   StepPool(AxisBank& bank, std::size_t threads);
   ~StepPool();
   StepPool(const StepPool&) = delete;
   StepPool& operator=(const StepPool&) = delete;
 
-  /// One tick of the bank; returns when every group was stepped.
+  /// Steps the bank by one tick; returns when all groups are done.
   void step() noexcept;
 
-  /// Calls `work(first, last)` for parts that together are 0 to `count`, of one thread each;
-  /// returns when all have ended. The part of a thread is in the same place as its part of the
-  /// groups, so that what it has written is still near.
-  /// @param work throws nothing
+  /// Calls `work(first, last)` in each thread for its part of [0, count); returns when all are
+  /// done. A thread gets the same share of `count` as of the groups, so that it finds the data that
+  /// it wrote in its caches.
+  /// @param work must not throw
   template <typename Work>
   void share(std::size_t count, const Work& work) noexcept {
     share({.call =
@@ -41,8 +41,9 @@ class StepPool {
            .count = count});
   }
 
-  /// The threads get the scheduling policy and the priority of the calling thread. Where that is a
-  /// realtime policy and the process has exactly one processor a thread, each is bound to its own.
+  /// Gives the threads the scheduling policy and priority of the calling thread. If that is a
+  /// realtime policy and the process has exactly one processor per thread, each thread is bound to
+  /// its own.
   void schedule_as_caller() noexcept;
 
   [[nodiscard]] std::size_t threads() const noexcept { return parts_; }
@@ -62,10 +63,10 @@ class StepPool {
 
   AxisBank& bank_;
   std::size_t parts_;
-  std::chrono::microseconds longest_spin_;  ///< none where threads wait for a processor
+  std::chrono::microseconds longest_spin_;  ///< zero if there are more threads than processors
   Task task_{};                             ///< of the present round
   std::vector<std::thread> helpers_;
-  // On lines of their own: waiting threads read them all the time.
+  // On separate cache lines, because waiting threads poll them.
   alignas(kCacheLine) std::atomic<std::uint32_t> round_{0};
   alignas(kCacheLine) std::atomic<std::uint32_t> unfinished_{0};
   std::atomic<bool> stop_{false};

@@ -13,8 +13,8 @@
 
 namespace vdrive::service {
 
-/// A sequence of a message, kept in place: up to kMost items without an allocation. Items that were
-/// never used are not written to, so that they cost no memory in a large array of such lists.
+/// A sequence of a message, stored in place: up to kMost items without allocation. Unused items are
+/// never written, so they cost no memory in a large array of such lists.
 template <typename Item, std::size_t kMost>
 class StoredList {
  public:
@@ -34,8 +34,8 @@ class StoredList {
     for (const Item& item : items) next() = item;
   }
 
-  /// Trades the items, at most kMost, for those of `items`, so that each item keeps the room of its
-  /// sequences, and `items` its own.
+  /// Swaps the items with `items` (at most kMost). Each item keeps the capacity of its sequences,
+  /// and `items` keeps its own.
   void exchange(std::vector<Item>& items) {
     const std::size_t mine = size_;
     const std::size_t common = std::min(mine, items.size());
@@ -67,7 +67,7 @@ class StoredList {
   // NOLINTEND(cppcoreguidelines-pro-type-reinterpret-cast)
 
   std::size_t size_ = 0;
-  std::size_t made_ = 0;  ///< items that exist; those behind `size_` keep their room
+  std::size_t made_ = 0;  ///< constructed items; those after `size_` keep their capacity
   alignas(Item) std::array<std::byte, sizeof(Item) * kMost> room_;
 };
 

@@ -13,9 +13,9 @@ namespace vdrive::service {
 struct WindowCause {
   enum class Kind : std::uint8_t {
     fault = 1,        ///< code: 603Fh
-    master_lost = 2,  ///< of the axis of that number, 0 = of all axes of a session
+    master_lost = 2,  ///< axis: the axis that lost its master, 0 = all axes of a session
     stopped = 3,      ///< a session that does not own the axis stopped it
-    asked = 4,        ///< by REQUEST_FREEZE_WINDOW
+    asked = 4,        ///< requested by REQUEST_FREEZE_WINDOW
   };
 
   Kind kind = Kind::fault;
@@ -25,7 +25,7 @@ struct WindowCause {
   std::uint64_t tick = 0;
 };
 
-/// A stretch of time that the black box keeps.
+/// A range of ticks that the black box keeps.
 struct Window {
   static constexpr std::size_t kMostCauses = 16;
   static constexpr std::size_t kMostSegments = 32;
@@ -33,18 +33,18 @@ struct Window {
   std::uint64_t number = 0;
   std::uint64_t first_tick = 0;
   std::uint64_t last_tick = 0;
-  std::uint32_t more_causes = 0;  ///< for which `causes` had no room
+  std::uint32_t more_causes = 0;  ///< causes that did not fit into `causes`
   std::uint32_t cause_count = 0;
   std::uint32_t segment_count = 0;
-  std::array<WindowCause, kMostCauses> causes{};  ///< the first is why it was frozen
+  std::array<WindowCause, kMostCauses> causes{};  ///< the first one froze the window
   std::array<std::uint32_t, kMostSegments> segments{};
 };
 
-/// How many windows are kept of a bench.
+/// The maximum number of windows kept for a bench.
 inline constexpr std::size_t kMostWindows = 16;
 
 /// @param windows at least one, oldest first
-/// @return the place of the one that makes room: of the kind of which there are most, the oldest.
+/// @return the index of the window to drop: the oldest one of the most frequent kind and code.
 [[nodiscard]] inline std::size_t place_to_drop(std::span<const Window> windows) noexcept {
   const auto count_alike = [windows](const Window& window) {
     return std::ranges::count_if(windows, [&](const Window& other) {

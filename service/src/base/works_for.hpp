@@ -3,11 +3,11 @@
 
 namespace vdrive::service {
 
-/// While it lives, a broken invariant in this thread names what the thread works for
-/// (vdrive::worked_for): a process may have many benches.
+/// While this object exists, the report of a broken invariant in this thread names the bench that
+/// the thread works for (vdrive::worked_for): a process may have many benches.
 class WorksFor {
  public:
-  /// @param name such as "bench 3"; outlives this
+  /// @param name for example "bench 3"; outlives this
   explicit WorksFor(const char* name) noexcept;
   ~WorksFor();
   WorksFor(const WorksFor&) = delete;
