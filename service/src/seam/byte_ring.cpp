@@ -13,8 +13,8 @@ namespace {
 constexpr std::uint64_t kAlignment = 8;
 constexpr std::uint32_t kSkip = 0xFFFF'FFFF;  ///< as a size: the rest of the memory is unused
 
-/// An empty ring continues at the beginning of its memory once it is this far [bytes]: a ring that
-/// is seldom full keeps to few pages, which stay in the caches.
+/// An empty ring restarts at the beginning of its memory once it has got this far [bytes]: a ring
+/// that is seldom full uses few pages, which stay in the caches.
 constexpr std::size_t kRewind = std::size_t{64} * 1024;
 
 constexpr std::uint64_t aligned(std::uint64_t size) noexcept {
@@ -34,8 +34,8 @@ ByteRing::ByteRing(RingPositions& positions, std::span<std::byte> memory) noexce
   ensure(std::has_single_bit(memory.size()), "the memory of a ring is a power of two");
 }
 
-/// An empty ring continues at its beginning. RingPositions::begin shows this, not a mark in the
-/// memory: until the reader had passed such a mark, the room behind it could not be used.
+/// A restart of the empty ring at its beginning is noted in RingPositions::begin and not by a mark
+/// in the memory: until the reader had passed such a mark, the room after it could not be used.
 std::optional<std::span<std::byte>> ByteRing::reserve(std::size_t size) noexcept {
   const std::uint64_t needed = sizeof(RecordHead) + aligned(size);
   const std::uint64_t read = std::max(positions_.read.load(std::memory_order_acquire), begin_);
@@ -121,7 +121,7 @@ std::size_t ByteRing::size() const noexcept {
 
 std::size_t ByteRing::bytes() const noexcept {
   const std::uint64_t written = positions_.written.load(std::memory_order_acquire);
-  // An empty ring begins at the start of its memory again: what lies before that is no record.
+  // After a restart at the beginning of the memory, the bytes before `begin` are not records.
   const std::uint64_t read = std::max(positions_.read.load(std::memory_order_acquire),
                                       positions_.begin.load(std::memory_order_relaxed));
   return written > read ? static_cast<std::size_t>(written - read) : 0;

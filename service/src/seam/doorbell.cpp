@@ -14,12 +14,13 @@
 namespace vdrive::service {
 namespace {
 
-// The standard library's waits are for threads of one process: they use private futexes.
+// Futexes are used directly, because std::atomic::wait uses private ones, which do not work across
+// processes.
 static_assert(sizeof(std::atomic<std::uint32_t>) == sizeof(std::uint32_t) &&
               std::atomic<std::uint32_t>::is_always_lock_free);
 
-// After a ring that came in this time: the next one is expected as soon, and looking for it costs
-// less than a sleep and a wake-up.
+// If a ring came within this time, the next one is expected as soon, and polling for it costs less
+// than a sleep and a wake-up.
 constexpr std::chrono::nanoseconds kLongestLook = std::chrono::microseconds(100);
 
 void futex_wait(std::atomic<std::uint32_t>& word, std::uint32_t expected,
@@ -51,10 +52,10 @@ bool Doorbell::wait_for(std::chrono::nanoseconds timeout) noexcept {
   return rung;
 }
 
-/// Does not yield: the scheduler would give a whole slice to what is worth nothing, such as a
-/// program of idle priority, and a ring would wait for its end.
+/// Does not yield: the scheduler might give a complete time slice to unimportant work, such as a
+/// program of idle priority, and a ring would have to wait until it ends.
 void Doorbell::look_for_rings(Clock::time_point deadline) const noexcept {
-  // Reading the clock takes longer than a look.
+  // Reading the clock takes longer than a look at the state.
   constexpr int kLooksPerReading = 32;
   do {
     for (int look = 0; look < kLooksPerReading; ++look) {

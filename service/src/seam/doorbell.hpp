@@ -7,21 +7,21 @@
 
 namespace vdrive::service {
 
-/// What a doorbell is made of, in memory that two processes may share; zero at the beginning.
+/// The state of a doorbell, in memory that two processes may share; initially zero.
 struct BellState {
   std::atomic<std::uint32_t> rings{0};  ///< a futex
   std::atomic<std::uint32_t> waiting{0};
 };
 
-/// Wakes the one thread that waits, for arrivals or for records, in this process or in another. A
-/// ring while no thread waits is remembered and costs no system call.
+/// Wakes the one thread that waits for arrivals or records, in this process or another one. A ring
+/// while no thread waits is remembered and costs no system call.
 class Doorbell {
  public:
-  /// How the waiting thread waits. A thread that sleeps takes some 10 us to wake, and a system call
-  /// of the one that wakes it.
+  /// How a thread waits. A sleeping thread takes some 10 us to wake and costs the waking thread a
+  /// system call.
   enum class Waiting : std::uint8_t {
     asleep,
-    /// Polls for up to 100 us before it sleeps, as long as rings come that quickly.
+    /// Polls for up to 100 us before it sleeps, as long as rings follow each other that quickly.
     quick,
   };
 
@@ -31,7 +31,8 @@ class Doorbell {
 
   void ring() noexcept;
 
-  /// The waiting thread: waits for a ring since the last call. @return false on time-out.
+  /// For the waiting thread: waits until the bell has been rung since the last call.
+  /// @return false on timeout
   bool wait_for(std::chrono::nanoseconds timeout) noexcept;
 
  private:
@@ -45,7 +46,7 @@ class Doorbell {
   BellState& state_;
   Waiting waiting_;
   std::uint32_t received_ = 0;
-  bool was_quick_ = false;  ///< the last ring came soon after the wait for it had begun
+  bool was_quick_ = false;  ///< the last ring came soon after the wait began
 };
 
 }  // namespace vdrive::service

@@ -5,8 +5,8 @@
 
 namespace vdrive::service {
 
-/// Sends what waits in the lanes that leave the engine, in the calling thread: a wire in threads of
-/// this process, or none.
+/// Sends the records of the engine's outgoing lanes in the calling thread, if the wire runs in
+/// threads of this process or the bench has no DDS wire.
 class LaneSender {
  public:
   LaneSender() = default;
@@ -14,11 +14,11 @@ class LaneSender {
   LaneSender(const LaneSender&) = delete;
   LaneSender& operator=(const LaneSender&) = delete;
 
-  /// Sends what waits in the lane, as much as one round takes. One thread a lane.
-  /// @return whether more may wait.
+  /// Sends the waiting records of a lane, up to the limit of one round. One thread per lane.
+  /// @return whether more may be waiting
   virtual bool drain(Lane lane) = 0;
 
-  /// @return whether an answer waits for its reader. For the thread that drains `replies`.
+  /// @return whether an answer waits for its reader. Only for the thread that drains `replies`.
   [[nodiscard]] virtual bool is_holding() const noexcept = 0;
 };
 

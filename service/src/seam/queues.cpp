@@ -6,13 +6,14 @@
 namespace vdrive::service {
 namespace {
 
-/// Samples that one pass over the inbox drops at most.
+/// The maximum number of samples that one call of Inbox::front() drops.
 constexpr std::size_t kMostDropped = 64;
 
-/// Commands of frames that wait for their tick take the room of their objects with them.
+/// Spare commands for the decoder: the commands of frames that wait for their tick are moved out,
+/// together with the capacity of their objects.
 constexpr std::size_t kSpareCommands = 1'024;
 
-/// Of a sample that found no room; it holds all that `TurnedAway` has.
+/// [bytes] kept of a sample that did not fit: enough for all members of `TurnedAway`.
 constexpr std::size_t kBeginning = 64;
 
 }  // namespace
@@ -46,7 +47,8 @@ Inbox::Inbox(std::uint32_t bench, ByteRing arrivals, ByteRing turned_away, Count
 }
 
 Arrival* Inbox::front() {
-  // What cannot be decoded costs time too: the rest of it waits for the next call.
+  // Dropping malformed samples takes time, too: after kMostDropped, the rest waits for the next
+  // call.
   for (std::size_t count = 0; !is_decoded_; ++count) {
     if (count == kMostDropped) return nullptr;
     const auto record = arrivals_.front();
@@ -84,7 +86,7 @@ bool Inbox::decode(const ByteRing::Record& record) {
 std::optional<TurnedAway> Inbox::next_turned_away() {
   const auto record = turned_away_.front();
   if (!record) return std::nullopt;
-  // The rest of the message is missing, so the decoder calls it malformed; its head is good.
+  // The rest of the message is missing, so the decoder reports it as malformed; its head is valid.
   TurnedAway away{.source = record->head.party};
   if (record->head.topic == static_cast<std::uint16_t>(wire::Topic<msg::CommandFrame>::kId)) {
     msg::CommandFrame frame;

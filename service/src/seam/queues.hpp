@@ -25,18 +25,18 @@
 
 namespace vdrive::service {
 
-/// What a client sent: a command frame or a request.
+/// A command frame or a request from a client.
 struct Arrival {
   enum class Kind : std::uint8_t { command_frame, request };
 
   Kind kind = Kind::command_frame;
-  Reason refusal;  ///< REASON_TOO_MANY_...: only the head of the message is here
+  Reason refusal;  ///< REASON_TOO_MANY_...: only the head of the message is present
   wire::Source source;
   msg::CommandFrame frame;
   msg::Request request;
 };
 
-/// An arrival that found the inbox full; it is answered with REASON_QUEUE_FULL.
+/// An arrival that found the inbox full. It is answered with REASON_QUEUE_FULL.
 struct TurnedAway {
   Arrival::Kind kind = Arrival::Kind::command_frame;
   wire::Source source;
@@ -46,18 +46,18 @@ struct TurnedAway {
   std::uint64_t sequence_number = 0;
 };
 
-/// The producer's end of what clients send to one bench: samples as they came, in order of arrival.
-/// For one thread at a time.
+/// The producer's end of the inbox of a bench: samples from clients, unchanged and in order of
+/// arrival. For one thread at a time.
 class InboxWriter {
  public:
-  /// How many arrivals wait at most; fewer when they are large.
+  /// The maximum number of waiting arrivals; fewer if they are large.
   static constexpr std::size_t kCapacity = 1024;
 
   InboxWriter(ByteRing arrivals, ByteRing turned_away) noexcept
       : arrivals_(arrivals), turned_away_(turned_away) {}
 
-  /// Takes a sample of `command` or `request`; of one that does not fit only the beginning, which
-  /// the refusal needs. @return whether it fitted.
+  /// Takes a sample of `command` or `request`. If it does not fit, keeps its beginning, which the
+  /// refusal needs. @return whether it fitted.
   bool put(wire::TopicId topic, std::span<const std::byte> sample,
            const wire::Source& source) noexcept;
 
@@ -66,14 +66,14 @@ class InboxWriter {
   ByteRing turned_away_;
 };
 
-/// The engine's end: decodes and validates what arrived. Belongs to the thread that steps the bank;
-/// `next_turned_away` to the thread that answers.
+/// The engine's end of the inbox: decodes and validates arrivals. Belongs to the thread that steps
+/// the bank, except `next_turned_away`, which belongs to the thread that answers.
 class Inbox {
  public:
   Inbox(std::uint32_t bench, ByteRing arrivals, ByteRing turned_away, Counters& counters);
 
-  /// @return the oldest arrival for this bench, or nullptr; its content may be moved out. What
-  ///         cannot be decoded is dropped and counted.
+  /// @return the oldest arrival for this bench, or nullptr; its content may be moved out. Samples
+  ///         that cannot be decoded are dropped and counted.
   [[nodiscard]] Arrival* front();
 
   /// Drops the arrival of `front`.
@@ -81,16 +81,16 @@ class Inbox {
 
   [[nodiscard]] std::size_t size() const noexcept { return arrivals_.size(); }
 
-  /// @return whether no more than half of its room is taken. Any thread.
+  /// @return whether at most half of the room is taken. Any thread.
   [[nodiscard]] bool has_room() const noexcept {
     return arrivals_.size() <= InboxWriter::kCapacity / 2 &&
            arrivals_.bytes() <= arrivals_.capacity() / 2;
   }
 
-  /// @return what did not fit, oldest first.
+  /// @return the oldest arrival that did not fit, or nullopt.
   std::optional<TurnedAway> next_turned_away();
 
-  /// @return whether there is any of that. Any thread.
+  /// @return whether `next_turned_away` would return one. Any thread.
   [[nodiscard]] bool has_turned_away() const noexcept { return turned_away_.size() > 0; }
 
  private:
@@ -101,47 +101,48 @@ class Inbox {
   ByteRing arrivals_;
   ByteRing turned_away_;
   wire::CommandDecoder decoder_;
-  wire::CommandDecoder head_decoder_;  ///< of what was turned away, in another thread
+  wire::CommandDecoder head_decoder_;  ///< for `next_turned_away`, in another thread
   Arrival arrival_;
   bool is_decoded_ = false;
 };
 
-/// A page of a window of the black box, which the thread that sends it computes.
+/// A page of a black box window. The thread that sends the page computes it.
 struct WindowPage {
-  Window window;                  ///< held until the page is there
-  std::vector<std::size_t> axes;  ///< that are wanted: indexes on the bench
-  std::uint64_t place = 0;        ///< how many items were on the pages before
+  Window window;                  ///< held until the page is computed
+  std::vector<std::size_t> axes;  ///< requested axes: indexes on the bench
+  std::uint64_t place = 0;        ///< the number of items on the previous pages
 };
 
-/// An answer and whom it is for.
+/// An answer and its receiver.
 struct OutgoingReply {
   wire::Source destination;
   msg::Reply reply;                    ///< without its statuses
-  std::vector<wire::ShownAxis> axes;   ///< whose status it shows
-  std::unique_ptr<WindowPage> page{};  ///< that is still to be added
+  std::vector<wire::ShownAxis> axes;   ///< axes whose status it contains
+  std::unique_ptr<WindowPage> page{};  ///< still to be computed and added
 };
 
 /// Status images of all axes after one tick.
 struct StatusImage {
   std::uint64_t tick = 0;
-  std::uint64_t skipped = 0;  ///< ticks that the number jumped over until then
+  std::uint64_t skipped = 0;  ///< ticks that the number had jumped over by then
   bool repeated = false;      ///< nothing moved since an earlier image of the same tick
   std::vector<AxisStatus> status;
   std::vector<wire::Ownership> owners;
 };
 
-/// Everything that leaves the thread that steps the bank. Full queues are counted, and reported by
+/// All output of the thread that steps the bank. An overflow of a queue is counted, and reported by
 /// an event as soon as there is room for one.
 struct Outbox {
   static constexpr std::size_t kReplies = 256;
-  /// Frames that wait for a later tick at most. All of them may be dropped, and answered, at once.
+  /// The maximum number of frames that wait for a later tick. All of them may be dropped, and
+  /// answered, at the same time.
   static constexpr std::size_t kPendingFrames = 1024;
   static constexpr std::size_t kCommandReplies = kReplies + kPendingFrames;
   static constexpr std::size_t kEvents = 8192;
   static constexpr std::size_t kParameters = 256;
 
-  /// @param axes how many axes a status image holds
-  /// @param images how many status images wait at most
+  /// @param axes the number of axes in a status image
+  /// @param images the maximum number of waiting status images
   explicit Outbox(std::size_t axes, std::size_t images = 16);
 
   Ring<StoredCommandReply> command_replies;
@@ -152,7 +153,7 @@ struct Outbox {
 
   [[nodiscard]] std::size_t size() const noexcept;
 
-  /// @return whether anything but status waits.
+  /// @return whether anything other than status is waiting.
   [[nodiscard]] bool has_news() const noexcept;
 };
 

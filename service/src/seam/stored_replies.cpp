@@ -8,7 +8,7 @@
 namespace vdrive::service {
 namespace {
 
-/// Every member but the sequences.
+/// Copies every member except the sequences.
 template <typename Message>
 void copy_head(const Message& from, Message& to) {
   wire::for_each_member<Message>([&]<typename Value>(const wire::Member<Message, Value>& member) {

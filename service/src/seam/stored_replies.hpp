@@ -8,12 +8,13 @@
 
 namespace vdrive::service {
 
-/// The answer to a command frame, with room for the largest one and without an allocation.
+/// The answer to a command frame, stored in place with room for the largest one.
 class StoredCommandReply {
  public:
   void keep(const msg::CommandReply& reply);
 
-  /// Allocates nothing where `reply` has room for MAX_AXES_PER_FRAME refusals and set-points.
+  /// Copies the answer to `reply`. Does not allocate if `reply` has capacity for MAX_AXES_PER_FRAME
+  /// refusals and set-points.
   void show(msg::CommandReply& reply) const;
 
  private:
@@ -22,13 +23,13 @@ class StoredCommandReply {
   StoredList<msg::Refusal, msg::MAX_AXES_PER_FRAME> refusals_;
 };
 
-/// The answer to a request without the statuses that it shows, with room for the largest one and
-/// without an allocation.
+/// The answer to a request without its statuses, stored in place with room for the largest one.
 class StoredReply {
  public:
   void keep(const msg::Reply& reply);
 
-  /// Allocates nothing where `reply` has room for MAX_OBJECTS_PER_REQUEST objects.
+  /// Copies the answer to `reply`. Does not allocate if `reply` has capacity for
+  /// MAX_OBJECTS_PER_REQUEST objects.
   void show(msg::Reply& reply) const;
 
  private:

@@ -45,7 +45,7 @@ void WireLink::flush(Lane lane) {
     }
     return;
   }
-  // The engine flushes whether it has written or not: a wire that has nothing to send sleeps on.
+  // The engine flushes whether or not it has written; a wire with nothing to send is not woken.
   if (ring(lane).size() == 0) return;
   (lane == Lane::status ? status_bell_ : reports_bell_).ring();
 }
@@ -57,8 +57,8 @@ std::uint32_t WireLink::matched(wire::TopicId topic) const noexcept {
 }
 
 bool WireLink::is_gone(const wire::Source& source) const noexcept {
-  // Another wire than the first one knows no reader at its start: that a reader is missing means
-  // something only after the time that discovery takes.
+  // A restarted wire knows no readers at first: a missing reader is conclusive only after discovery
+  // has had time to find it.
   constexpr std::chrono::seconds kTimeToFind{2};
   const auto now = std::chrono::steady_clock::now().time_since_epoch();
   const auto age = now - std::chrono::nanoseconds(control_.running_since.load());

@@ -13,22 +13,23 @@
 
 namespace vdrive::service {
 
-/// The engine's end of the seam: encodes what leaves into the lanes and has it sent. A lane belongs
-/// to one thread.
+/// The engine's end of the seam: encodes outgoing messages into the lanes and has them sent. A lane
+/// belongs to one thread.
 class WireLink {
  public:
   /// @param region outlives this
   explicit WireLink(const WireRegion& region);
 
-  /// From here on `flush` sends in the calling thread: the wire is part of this process.
+  /// From now on `flush` sends in the calling thread, because the wire is part of this process.
   /// @param sender outlives this
   void send_through(LaneSender& sender) noexcept { sender_ = &sender; }
 
-  /// The wire of this process runs, and has ended; a process says so itself.
+  /// Marks the wire of this process as running or ended. A wire in its own process does that
+  /// itself.
   void begin() noexcept;
   void end() noexcept;
 
-  /// Encodes a message into a lane. @return false when there is no room.
+  /// Encodes a message into a lane. @return false if there is no room.
   template <typename Message>
   [[nodiscard]] bool post(Lane lane, const Message& message) {
     return post(
@@ -36,40 +37,40 @@ class WireLink {
         RecordHead{.topic = static_cast<std::uint16_t>(wire::Topic<Message>::kId), .party = {}});
   }
 
-  /// Likewise an answer, which waits until `destination` can be reached.
-  /// @param axes that it shows, in place of the statuses of `reply`
+  /// The same for an answer, which waits until `destination` can be reached.
+  /// @param axes the statuses to send instead of those in `reply`
   [[nodiscard]] bool post_to(const wire::Source& destination, const msg::Reply& reply,
                              std::span<const wire::ShownAxis> axes = {});
 
-  /// The producer's end of a lane that leaves the engine, for what is encoded in place.
+  /// @return the producer's end of an outgoing lane, for messages that are encoded in place.
   [[nodiscard]] ByteRing& ring(Lane lane) noexcept;
 
-  /// What waits in the lane is sent: now, by this thread, or soon, by the wire's process.
+  /// Has the waiting records of the lane sent: now, by this thread, or soon, by the wire's process.
   void flush(Lane lane);
 
-  /// @return how many subscriptions match a topic; 0 while no wire runs.
+  /// @return the number of subscriptions that match a topic; 0 while no wire runs.
   [[nodiscard]] std::uint32_t matched(wire::TopicId topic) const noexcept;
 
-  /// @return whether a reader of bench_state has come since the last call, where it is known at
-  ///         once who comes.
+  /// @return whether a reader of bench_state has joined since the last call, if the wire learns of
+  ///         new readers immediately.
   [[nodiscard]] bool take_wish_for_state() noexcept {
     return control_.is_state_wanted.load(std::memory_order_relaxed) &&
            control_.is_state_wanted.exchange(false);
   }
 
-  /// @return whether the participant reads replies now.
+  /// @return whether the participant is currently a reader of replies.
   [[nodiscard]] bool is_matched(const wire::Source& source) const noexcept {
     return control_.readers.may_contain(source);
   }
 
-  /// @return whether a participant that read replies does so no more. Everybody has 2 s to find a
-  ///         wire that was started anew.
+  /// @return whether a participant that used to read replies is gone. All participants have 2 s to
+  ///         discover a restarted wire.
   [[nodiscard]] bool is_gone(const wire::Source& source) const noexcept;
 
-  /// @return the number of the wire that runs; 0 = none does.
+  /// @return the number of the running wire; 0 = no wire runs.
   [[nodiscard]] std::uint32_t running() const noexcept;
 
-  /// @return whether this process has to check again soon, because an answer waits for its reader.
+  /// @return whether this process has to flush again soon, because an answer waits for its reader.
   [[nodiscard]] bool is_holding() const noexcept {
     return sender_ != nullptr && sender_->is_holding();
   }

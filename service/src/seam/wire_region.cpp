@@ -26,8 +26,9 @@ constexpr std::uint64_t kLayout = 0x7664'7269'7665'0003;  // "vdrive", version 3
 constexpr std::size_t kKibi = 1'024;
 constexpr std::size_t kMebi = kKibi * kKibi;
 
-/// The lanes behind `status`, whose size is the bench's: all answers to a full inbox; the
-/// descriptions and parameters of 16,384 axes at once; what arrives.
+/// The sizes of all lanes after `status`, whose size depends on the bench. They hold: all answers
+/// to a full inbox; the descriptions and parameters of 16,384 axes at the same time; the arrivals,
+/// arrivals turned away and notices.
 constexpr std::array<std::size_t, kLanes - 1> kFixedSizes{8 * kMebi, 8 * kMebi, 4 * kMebi,
                                                           64 * kKibi, 64 * kKibi};
 
@@ -49,7 +50,7 @@ constexpr std::size_t offset_of(Lane lane, std::size_t status_room) noexcept {
   return offset;
 }
 
-/// A path may be any bytes, which JSON refuses and MessagePack does not.
+/// MessagePack and not JSON, because a path may contain arbitrary bytes, which JSON refuses.
 std::vector<std::uint8_t> packed(const WireSettings& settings) {
   const auto& network = settings.network;
   return nlohmann::json::to_msgpack({{"bench", settings.bench},
@@ -80,11 +81,11 @@ WireSettings unpacked(std::span<const std::uint8_t> bytes) {
   return settings;
 }
 
-/// @param descriptor -1 for memory of this process alone
+/// @param descriptor -1 for memory of this process only
 std::span<std::byte> map(int descriptor, std::size_t size) {
-  // Not reserved, as Pages.
+  // MAP_NORESERVE for the reason given at Pages.
   const int flags = descriptor < 0 ? MAP_PRIVATE | MAP_ANONYMOUS | MAP_NORESERVE : MAP_SHARED;
-  // The kernel's answer is MAP_FAILED, a cast of -1.
+  // MAP_FAILED is a cast of -1.
   void* const memory = mmap(nullptr, size, PROT_READ | PROT_WRITE, flags, descriptor, 0);
   if (memory == MAP_FAILED) {  // NOLINT(*-cstyle-cast, performance-no-int-to-ptr)
     fail("memory between engine and wire");
@@ -92,10 +93,10 @@ std::span<std::byte> map(int descriptor, std::size_t size) {
   return {static_cast<std::byte*>(memory), size};
 }
 
-/// @return the descriptor of memory of that size.
+/// @return the descriptor of new memory of this size.
 int shared_memory(std::size_t size) {
   const int descriptor = memfd_create("vdrive-wire", MFD_CLOEXEC | MFD_ALLOW_SEALING);
-  // Sealed: a wire that made it shorter would end the engine by SIGBUS.
+  // Sealed, because a wire that truncated it would kill the engine by SIGBUS.
   if (descriptor < 0 || ftruncate(descriptor, static_cast<off_t>(size)) != 0 ||
       fcntl(descriptor, F_ADD_SEALS, F_SEAL_SHRINK | F_SEAL_GROW | F_SEAL_SEAL) !=
           0) {  // NOLINT(*-vararg)
