@@ -20,8 +20,8 @@ void WireJudge::note_start(Time now) noexcept {
 }
 
 std::optional<WireLoss> WireJudge::reason_to_end(const Health& health, Time now) noexcept {
-  // A judge that was not called for long, because the whole service stood still, has seen no
-  // silence.
+  // If the judge was not called for a while because the service itself was paused, that time does
+  // not count as silence of the wire.
   constexpr std::chrono::milliseconds kLongestPause{500};
   if (now - std::exchange(judged_, now) > kLongestPause) {
     start_ = now;

@@ -9,29 +9,28 @@
 
 namespace vdrive::service {
 
-/// When a wire is to be ended, and when another one is to be started: decisions from what is seen
-/// of it, without system calls. Time is an argument.
+/// Decides from observations when a wire must be ended and when the next one is started. Makes no
+/// system calls; time is an argument.
 class WireJudge {
  public:
   using Time = std::chrono::steady_clock::time_point;
 
   static constexpr std::chrono::seconds kLongestStart{10};
-  /// Without a round of the pumps it hangs.
+  /// A wire whose pumps complete no round in this time hangs.
   static constexpr std::chrono::seconds kLongestRound{2};
-  /// A probe through discovery and data that does not arrive in this time: the wire receives
-  /// nothing.
+  /// If no probe arrives through discovery and data in this time, the wire receives nothing.
   static constexpr std::chrono::milliseconds kLongestProbe{4'000};
-  /// A wire that ran for this long did not end because of how it was started.
+  /// A wire that ran this long did not end because of its start: the next one starts without delay.
   static constexpr std::chrono::seconds kLongRun{1};
-  /// One that had to be ended may be no better when it is started anew.
+  /// The same for a wire that had to be ended: its successor may well have the same trouble.
   static constexpr std::chrono::seconds kLongRunOfJudged{60};
-  /// Pumps that make no round for this long are late: a round takes 20 ms where nothing is sent.
-  /// The process is then examined, and again at this distance.
+  /// Pumps that complete no round in this time are late (an idle round takes 20 ms). The process is
+  /// then examined, and again at this interval.
   static constexpr std::chrono::milliseconds kLateRound{100};
   static constexpr std::chrono::milliseconds kFirstDelay{100};
   static constexpr std::chrono::milliseconds kLongestDelay{5'000};
 
-  /// What is seen of a wire.
+  /// The observed state of a wire.
   struct Health {
     bool is_running = false;
     std::uint64_t pump_beats = 0;
@@ -41,18 +40,18 @@ class WireJudge {
 
   explicit WireJudge(std::uint64_t memory_limit) noexcept : memory_limit_(memory_limit) {}
 
-  /// A wire is started.
+  /// Notes the start of a wire.
   void note_start(Time now) noexcept;
 
-  /// @return why the wire has to be ended now; nothing = it may continue.
+  /// @return why the wire must be ended now; nullopt = it may continue.
   [[nodiscard]] std::optional<WireLoss> reason_to_end(const Health& health, Time now) noexcept;
 
-  /// @return whether its process has to be examined now, because nothing was heard of it.
+  /// @return whether the wire's process must be examined now, because its pumps are late.
   [[nodiscard]] bool needs_examination(Time now) noexcept;
 
-  /// A wire has ended.
+  /// Notes the end of a wire.
   /// @param was_judged it was ended by this judge
-  /// @return when the next one is to be started.
+  /// @return when the next wire should be started
   [[nodiscard]] Time note_end(Time now, bool was_judged) noexcept;
 
  private:

@@ -31,20 +31,20 @@ using Order = WireSpawner::Order;
 /// The descriptor under which a wire finds the region.
 constexpr int kRegionOfWire = 3;
 
-/// The status of exit code 127, as waitpid returns it: the kernel gave no process.
+/// The status of exit code 127, as waitpid returns it: the kernel could not fork.
 constexpr int kNotStarted = 127 << 8;
 
-/// How long either side waits for the process below it, which has been told to end.
+/// How long the engine waits for the end of the spawner, and the spawner for the end of the wire.
 constexpr std::chrono::milliseconds kLongestEnd{100};
 
-/// Between two examinations of processes that are not reaped yet.
+/// The interval of the attempts to reap processes that were reported but have not ended.
 constexpr std::chrono::milliseconds kReapInterval{100};
 
 /// A process as /proc/PID/stat shows it; the members are fields of proc(5).
 struct ProcessState {
   char state = 0;
   unsigned long flags = 0;
-  int exit_code = 0;  ///< as waitpid returns it; of a stopped process its signal
+  int exit_code = 0;  ///< as waitpid returns it; for a stopped process, the signal
 };
 
 std::optional<ProcessState> state_of(pid_t process) {
@@ -63,9 +63,9 @@ std::optional<ProcessState> state_of(pid_t process) {
   return seen;
 }
 
-/// @return how a process ends that runs no instruction of its program any more, although it cannot
-///         be reaped yet: memory that is given back, a core that is written or a debugger can hold
-///         it in the kernel for seconds.
+/// @return the exit status of a process that executes no instruction any more but cannot be reaped
+///         yet: freeing memory, writing a core or a debugger can keep it in the kernel for seconds.
+///         nullopt for any other process.
 std::optional<int> status_of_dying(pid_t process) {
   constexpr unsigned long kExiting = 0x4;  // PF_EXITING of the kernel
   const auto seen = state_of(process);
@@ -79,7 +79,7 @@ std::optional<int> status_of_dying(pid_t process) {
 
 // NOLINTBEGIN(*-vararg): the kernel's interface is C
 
-/// Waits until the process behind a descriptor has ended, or no longer.
+/// Waits for the process of a pidfd to end, for kLongestEnd at most.
 void await_end(int descriptor) {
   pollfd ended{.fd = descriptor, .events = POLLIN, .revents = 0};
   static_cast<void>(poll(&ended, 1, static_cast<int>(kLongestEnd.count())));
@@ -87,21 +87,22 @@ void await_end(int descriptor) {
 
 [[noreturn]] void become_wire(int region, pid_t spawner) {
   prctl(PR_SET_PDEATHSIG, SIGKILL);      // no wire without a spawner
-  if (getppid() != spawner) _exit(127);  // it was killed between the fork and that call
+  if (getppid() != spawner) _exit(127);  // the spawner was killed between the fork and prctl
   const int descriptor = region == kRegionOfWire ? region : dup2(region, kRegionOfWire);
   fcntl(descriptor, F_SETFD, 0);
   close_range(kRegionOfWire + 1, ~0U, 0);
   sigset_t none;
   sigemptyset(&none);
   pthread_sigmask(SIG_SETMASK, &none, nullptr);
-  // An interrupt of a terminal or of a service manager goes to all processes: the engine decides.
+  // A terminal or a service manager sends its signal to all processes; the engine decides when the
+  // wire ends.
   std::signal(SIGINT, SIG_IGN);
   std::signal(SIGTERM, SIG_IGN);
   execl("/proc/self/exe", "vdrived", "--wire-process", "3", nullptr);
   _exit(127);
 }
 
-/// What runs in the spawner's process: it forks wires as it is told.
+/// The main loop of the spawner's process: forks and kills wires as ordered.
 class ForkServer {
  public:
   ForkServer(int socket, int region) : socket_(socket), region_(region) {}
@@ -125,7 +126,7 @@ class ForkServer {
     Order order{};
     const ssize_t size = recv(socket_, &order, sizeof order, 0);
     if (size <= 0) {
-      leave();  // the engine has gone
+      leave();  // the engine is gone
     }
     if (order == Order::launch && child_ == 0) {
       start();
@@ -146,14 +147,14 @@ class ForkServer {
       return;
     }
     child_descriptor_ = static_cast<int>(syscall(SYS_pidfd_open, child_, 0));
-    if (child_descriptor_ < 0) {  // only an examination would notice its end
+    if (child_descriptor_ < 0) {  // without a pidfd only an examination would notice its end
       ::kill(child_, SIGKILL);
       leaving_.push_back(child_);
       report_end(SIGKILL);
     }
   }
 
-  /// Reports the wire's end where it has ended, or can do nothing else.
+  /// Reports the end of the wire if it has ended or is dying.
   void examine() {
     int status = 0;
     const pid_t reaped = waitpid(child_, &status, WNOHANG);
@@ -189,7 +190,7 @@ class ForkServer {
   int region_;
   pid_t child_ = 0;
   int child_descriptor_ = -1;
-  std::vector<pid_t> leaving_;  ///< reported, and not reaped yet
+  std::vector<pid_t> leaving_;  ///< reported but not reaped yet
 };
 
 // NOLINTEND(*-vararg)
@@ -205,14 +206,14 @@ WireSpawner::WireSpawner(int region) {
   process_ = fork();
   if (process_ < 0) fail("start of the wire's process");
   if (process_ == 0) {
-    // A stopped spawner would not see that the engine has gone.
+    // A stopped spawner would not notice that the engine is gone.
     prctl(PR_SET_PDEATHSIG, SIGKILL);  // NOLINT(*-vararg)
     if (getppid() != engine) _exit(0);
     close(ends[0]);
     prctl(PR_SET_NAME, "vdrived-spawner");  // NOLINT(*-vararg)
     std::signal(SIGINT, SIG_IGN);
     std::signal(SIGTERM, SIG_IGN);
-    std::signal(SIGCHLD, SIG_DFL);  // where it is ignored, the kernel keeps no status for waitpid
+    std::signal(SIGCHLD, SIG_DFL);  // if it were ignored, the kernel would keep no exit status
     ForkServer(ends[1], region).run();
   }
   close(ends[1]);
@@ -223,7 +224,7 @@ WireSpawner::WireSpawner(int region) {
 
 WireSpawner::~WireSpawner() {
   close(socket_);
-  // A spawner that is stopped does not end now: the kernel kills it together with the engine.
+  // A stopped spawner does not end now; the kernel kills it when the engine ends.
   await_end(descriptor_);
   waitpid(process_, nullptr, WNOHANG);
   close(descriptor_);
@@ -242,7 +243,7 @@ void WireSpawner::kill() const noexcept {
   order(Order::kill);
 }
 
-/// A spawner that does not run has room for several hundred orders; none is waited for.
+/// Does not wait: the socket of a stopped spawner has room for several hundred orders.
 bool WireSpawner::order(Order order) const noexcept {
   return send(socket_, &order, sizeof order, MSG_NOSIGNAL | MSG_DONTWAIT) == sizeof order;
 }

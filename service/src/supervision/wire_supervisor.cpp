@@ -28,7 +28,7 @@ WireLoss loss_of(const WireEnd& end) {
           .value = static_cast<std::uint32_t>(WEXITSTATUS(end.status))};
 }
 
-/// The signals that end a service are blocked, and waited for only after the start.
+/// The signals that end a service are blocked, and nobody waits for them before the start is done.
 bool has_to_stop() {
   sigset_t pending;
   sigpending(&pending);
@@ -59,7 +59,7 @@ void WireSupervisor::start() {
     if (has_to_stop()) throw wire::NetworkError("stopped by a signal before the wire was ready");
     if (control_.state.load() == WireState::failed) throw wire::NetworkError(error_of(control_));
     if (const auto end = spawner_.next_end()) {
-      // It writes the reason into the region before it ends.
+      // The wire writes the reason into the region before it ends.
       const std::string error = error_of(control_);
       throw wire::NetworkError(error.empty() ? "the wire's process: " + loss_of(*end).text()
                                              : error);
@@ -99,7 +99,7 @@ void WireSupervisor::supervise() {
   if (next_start_ && now >= *next_start_) launch(now);
 }
 
-/// No client is reached any more, whether its process has ended yet or not.
+/// From here on no client is reached, whether or not the process has ended yet.
 void WireSupervisor::lose(const WireLoss& loss, Clock::time_point now) {
   control_.state.store(WireState::none);
   if (is_up_) lost_at_ = now;
@@ -123,7 +123,7 @@ void WireSupervisor::report(std::uint32_t code, const EventDetail& detail) {
 }
 
 void WireSupervisor::judge(Clock::time_point now) {
-  if (reason_) return;  // its end is awaited
+  if (reason_) return;  // it was killed; its end has not been reported yet
   const bool is_running = control_.state.load() == WireState::running;
   counters_.wire_resident.set(control_.resident.load());
   if (is_running && !is_up_) {

@@ -15,7 +15,7 @@
 
 namespace vdrive::service {
 
-/// Keeps a wire running in a process of its own. Used by one thread at a time, which calls
+/// Keeps a wire running in a separate process. Used by one thread at a time, which calls
 /// supervise() every few milliseconds.
 class WireSupervisor {
  public:
@@ -24,19 +24,20 @@ class WireSupervisor {
                  Counters& counters);
 
   /// Starts the first wire and waits until it runs.
-  /// @throws wire::NetworkError with the reason that it has written when it cannot start
+  /// @throws wire::NetworkError if it cannot start, with the reason that it gave
   void start();
 
-  /// Judges the wire; ends one that hangs or leaks, and starts another one.
+  /// Judges the wire, ends it if necessary, and starts the next one.
   void supervise();
 
-  /// @return what happened as an event without its tick, oldest first.
+  /// @return the oldest unreported event, without its tick, or nullopt.
   std::optional<EventRecord> next_news();
 
   /// @return whether no wire can be started any more: the spawner is gone.
   [[nodiscard]] bool is_cut_off() const noexcept { return spawner_.is_gone(); }
 
-  /// The bench ends: lets the wire send what waits and announce its end, for `patience` at most.
+  /// Ends the wire with the bench: first lets it send what is queued and announce its end, for
+  /// `patience` at most.
   void stop(std::chrono::milliseconds patience) noexcept;
 
  private:
@@ -56,7 +57,7 @@ class WireSupervisor {
   std::uint32_t generation_ = 0;
   bool is_launched_ = false;
   bool is_up_ = false;
-  std::optional<WireLoss> reason_;  ///< for which it was killed
+  std::optional<WireLoss> reason_;  ///< why the wire was killed
   std::optional<Clock::time_point> next_start_;
   Clock::time_point lost_at_{};
   std::deque<EventRecord> news_;
