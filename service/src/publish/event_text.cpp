@@ -21,7 +21,7 @@ namespace {
 
 constexpr std::size_t kLongestText = 200;
 
-/// @return the detail of the event; an empty one where the event has no detail of this type.
+/// @return the detail of the event; a default one if the event has no detail of this type.
 template <typename Detail>
 Detail detail_of(const EventRecord& event) {
   const auto* const detail = std::get_if<Detail>(&event.detail);
@@ -192,7 +192,7 @@ std::string shutdown_text(const EventRecord& /*event*/) {
   return "the service shuts down: its axes brake, commands are refused";
 }
 
-/// What the service says about a kind of event, in words and in its log.
+/// The text and the log level of a kind of event.
 struct EventRow {
   EventKind kind{};
   spdlog::level::level_enum level = spdlog::level::debug;
@@ -203,8 +203,8 @@ constexpr auto kDebug = spdlog::level::debug;
 constexpr auto kInfo = spdlog::level::info;
 constexpr auto kWarn = spdlog::level::warn;
 
-/// In the order of their numbers. A kind without a row is written to the log as its severity says,
-/// by its name.
+/// In the order of their numbers. A kind without a row is logged by its name, at a level that
+/// follows from its severity.
 constexpr auto kEventRows = std::to_array<EventRow>({
     {EventKind::state_changed, kDebug, state_text},
     {EventKind::fault, kInfo, fault_text},

@@ -10,14 +10,14 @@
 
 namespace vdrive::service {
 
-/// @return what happened, in words; at most 200 bytes.
+/// @return a description of the event, at most 200 bytes.
 [[nodiscard]] std::string words_of(const EventRecord& event);
 
-/// @return how loud the log tells of it.
+/// @return the log level of the event.
 [[nodiscard]] spdlog::level::level_enum level_of(const EventRecord& event);
 
-/// @return what happened as a line of a log: key=value pairs, the words last.
-/// @param suppressed equal events left out before it
+/// @return the event as a log line: key=value pairs, the description last.
+/// @param suppressed equal events suppressed before it
 [[nodiscard]] std::string log_line(std::uint32_t bench, const EventRecord& event,
                                    std::uint64_t suppressed);
 

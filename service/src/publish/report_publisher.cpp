@@ -23,12 +23,12 @@ namespace {
 using namespace std::chrono_literals;
 using namespace vdrive::literals;
 
-constexpr std::chrono::seconds kRateWindow{1};  // long beside the jitter of a tick
+constexpr std::chrono::seconds kRateWindow{1};  // long compared to the jitter of a tick
 constexpr std::chrono::milliseconds kReportInterval{100};
 constexpr const char* kUnit = "UU";
 /// As deep as the history of the topic.
 constexpr auto kEventsKept = static_cast<std::size_t>(wire::Topic<msg::Event>::kRow.quality.depth);
-/// The wire empties a lane within this, or hangs.
+/// A wire that does not empty a lane in this time hangs.
 constexpr std::chrono::milliseconds kLongestWaitForRoom{100};
 
 std::int64_t read(const AxisBank& bank, std::size_t axis, ObjectRow row) {
@@ -123,7 +123,7 @@ void ReportPublisher::announce(bool alive) {
   link_.flush(Lane::reports);
 }
 
-/// What readers that come later have to find; the wire keeps it for them, as long as it lives.
+/// Gives a new wire everything that late readers need; the wire keeps it for them while it runs.
 void ReportPublisher::meet_wire() {
   const std::uint32_t running = link_.running();
   if (running != met_) {
@@ -142,7 +142,7 @@ void ReportPublisher::meet_wire() {
 }
 
 void ReportPublisher::publish(Inbox& inbox, Outbox& outbox) {
-  // Before the queues are emptied.
+  // Measure the queues before they are emptied.
   counters_.inbox_depth.set(inbox.size());
   counters_.outbox_depth.set(outbox.size());
   meet_wire();
@@ -250,13 +250,13 @@ double ReportPublisher::measured_rate(std::uint64_t tick, Clock::time_point now)
   return measured_rate_;
 }
 
-/// Without a wire only the history grows. A burst, such as the descriptions of all axes, waits for
-/// the wire to make room.
+/// Does nothing without a wire: the history keeps the message. A burst, such as the descriptions of
+/// all axes, waits for the wire to make room.
 template <typename Message>
 void ReportPublisher::write(const Message& message) {
   if (met_ == 0) return;
   bool is_posted = link_.post(Lane::reports, message);
-  // One wait for a wire that hangs, not one for each message: this thread judges the wire too.
+  // Wait only once for a wire that hangs, not once per message: this thread also judges the wire.
   const auto deadline = Clock::now() + (is_lane_stuck_ ? 0ms : kLongestWaitForRoom);
   while (!is_posted && link_.running() == met_ && Clock::now() < deadline) {
     link_.flush(Lane::reports);

@@ -21,20 +21,20 @@
 
 namespace vdrive::service {
 
-/// Publishes what is not on the path of a command: the bench's description and state, parameters,
+/// Publishes everything outside of the command path: the bench's description and state, parameters,
 /// events, names of sessions. Used by one thread.
 class ReportPublisher {
  public:
-  /// A client takes a bench for silent after 250 ms: a lost state is no silence.
+  /// A client regards a bench as silent after 250 ms, so it tolerates the loss of a few states.
   static constexpr std::chrono::milliseconds kStateInterval{50};
-  /// When all axes change at once, their parameters must not hold up events and states, which take
-  /// the same lane.
+  /// If all axes change at the same time, their parameters must not delay events and states, which
+  /// use the same lane.
   static constexpr TokenBucket::Rate kParameterSamples{.per_second = 2'000.0, .burst = 256.0};
 
-  /// A program may say anything about itself, as often as it likes.
+  /// Limits session names, because a program may send as many as it likes.
   static constexpr TokenBucket::Rate kSessionSamples{.per_second = 100.0, .burst = 256.0};
 
-  /// Reads the descriptions of the axes from `bank`: before it is stepped.
+  /// Reads the descriptions of the axes from `bank`, so construct this before the first step.
   /// @param link outlives this
   ReportPublisher(WireLink& link, const Configuration& configuration, const BenchIdentity& identity,
                   const AxisBank& bank, Counters& counters);
@@ -42,15 +42,15 @@ class ReportPublisher {
   /// Announces this bench, or its end.
   void announce(bool alive);
 
-  /// Publishes what waits, and the bench's state every 50 ms of wall time and when the wire knows
-  /// of a new reader. A wire that is new gets the history first: descriptions, parameters of all
-  /// axes, the last events, names of sessions.
+  /// Publishes waiting reports, and the bench's state every 50 ms of wall time and when a new
+  /// reader waits for it. A new wire first gets the history: descriptions, parameters of all axes,
+  /// the last events, names of sessions.
   void publish(Inbox& inbox, Outbox& outbox);
 
-  /// Publishes one event past the queue.
+  /// Publishes an event immediately, bypassing the queue.
   void publish_event(const CountedEvent& counted);
 
-  /// Takes what a program has said about its session; the next `publish` passes it on.
+  /// Takes the name that a program has sent for its session; the next `publish` passes it on.
   void note_session(std::span<const std::byte> sample);
 
  private:
@@ -69,7 +69,7 @@ class ReportPublisher {
   WireLink& link_;
   std::uint32_t met_ = 0;       ///< the wire that has the descriptions, 0 = none
   bool is_lane_stuck_ = false;  ///< the last message found no room in time
-  bool has_history_ = false;    ///< it has parameters and events too
+  bool has_history_ = false;    ///< the wire has parameters and events, too
   BenchIdentity identity_;
   std::chrono::nanoseconds period_;
   Counters& counters_;
@@ -77,11 +77,11 @@ class ReportPublisher {
   std::chrono::nanoseconds next_flush_{0};
   std::vector<CountedEvent> passed_;
   std::vector<msg::BenchDescription> parts_;
-  std::vector<msg::AxisParameters> parameters_;  ///< the newest of each axis
-  std::vector<std::uint16_t> indices_;           ///< in `parameters_`, by number of an axis
+  std::vector<msg::AxisParameters> parameters_;  ///< the latest ones of each axis
+  std::vector<std::uint16_t> indices_;           ///< in `parameters_`, by axis number
   std::deque<msg::Event> history_;               ///< the last kEventsKept
   SessionNames sessions_;
-  msg::SessionName said_;  ///< the newest
+  msg::SessionName said_;  ///< the latest name received
   TokenBucket session_samples_{kSessionSamples};
   msg::BenchState state_;
   msg::Event event_;

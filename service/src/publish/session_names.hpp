@@ -10,34 +10,34 @@
 
 namespace vdrive::service {
 
-/// Who the sessions are that have acquired axes of a bench, as their programs say it. Clients do
-/// not see each other, so the service of a bench publishes what it has received. Used by one
-/// thread.
+/// The programs behind the sessions that have acquired axes of a bench, as reported by the programs
+/// themselves. Clients do not see each other, so the service of the bench publishes what it has
+/// received. Used by one thread.
 class SessionNames {
  public:
-  /// So many sessions are known; a further one takes the place of the one that came first.
+  /// The maximum number of known sessions; a further one replaces the oldest.
   static constexpr auto kMost = static_cast<std::size_t>(wire::kSessionsOfBench);
 
   explicit SessionNames(std::uint32_t bench) noexcept : bench_(bench) {}
 
-  /// Keeps what a program says.
-  /// @return whether it is news; what belongs to no session, or to another bench, is none.
+  /// Keeps a name.
+  /// @return whether it is new; false for a name without a session or of another bench
   bool note(const msg::SessionName& name);
 
-  /// @return the oldest one that has to be published; nullptr when there is none.
+  /// @return the oldest unpublished name; nullptr if there is none.
   [[nodiscard]] const msg::BenchSession* next() const noexcept;
 
-  /// That one is published.
+  /// Marks the name returned by next() as published.
   void pop() noexcept;
 
-  /// All have to be published: whoever comes now has received none.
+  /// Marks all names as unpublished, for readers that have received none.
   void begin_again();
 
  private:
   std::uint32_t bench_;
   std::vector<msg::BenchSession> sessions_;  ///< by place
   std::vector<std::uint16_t> unpublished_;   ///< places, each once, the oldest first
-  std::size_t oldest_ = 0;                   ///< place that a further session takes
+  std::size_t oldest_ = 0;                   ///< place that the next new session takes
 };
 
 }  // namespace vdrive::service

@@ -15,10 +15,10 @@ namespace vdrive::service {
 namespace {
 
 constexpr std::size_t kLeastImages = 4;
-constexpr std::size_t kMostImages = 4'096;  ///< of one axis at 125 us: 2,000
+constexpr std::size_t kMostImages = 4'096;  ///< one axis at 125 us needs 2,000
 constexpr std::size_t kLeastRoom = std::size_t{1} << 20U;
 
-/// @return bytes that one tick takes between engine and wire.
+/// @return the room that one tick takes between engine and wire [bytes].
 std::size_t bytes_of_a_tick(std::size_t axes) {
   constexpr std::size_t kFrame = msg::MAX_AXES_PER_FRAME;
   constexpr std::size_t kHead = sizeof(RecordHead) + sizeof(std::uint64_t);
@@ -38,7 +38,7 @@ StatusDepth status_depth(const Configuration& configuration) {
           : kLeastImages;
   const std::size_t fitting =
       kMostOfImages / (axes * (sizeof(AxisStatus) + sizeof(wire::Ownership)));
-  // Samples of axes take the same way: as many in a second as their publisher sends.
+  // Axis samples use the same lane, at the rate limit of their publisher.
   const auto samples = static_cast<std::size_t>(StatusPublisher::kAxisSamples.per_second *
                                                 std::chrono::duration<double>(kStatusHeld).count());
   const std::size_t room =

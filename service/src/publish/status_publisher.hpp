@@ -15,12 +15,12 @@
 
 namespace vdrive::service {
 
-/// Publishes status images: as frames on `status`, and decimated axis by axis on `axis`. Used by
-/// one thread.
+/// Publishes status images: as frames on the topic `status`, and decimated per axis on the topic
+/// `axis`. Used by one thread.
 class StatusPublisher {
  public:
-  /// A sample of one axis costs a client as much as a frame of 256: for a dashboard 50 Hz are
-  /// enough, and a bound for all axes together keeps the network free for the frames.
+  /// A sample of one axis costs a client as much as a frame of 256 axes. 50 Hz is enough for a
+  /// dashboard, and a limit for all axes together keeps the network free for the frames.
   static constexpr std::chrono::milliseconds kAxisInterval{20};
   static constexpr TokenBucket::Rate kAxisSamples{.per_second = 4'000.0, .burst = 128.0};
 
@@ -28,17 +28,17 @@ class StatusPublisher {
   StatusPublisher(WireLink& link, const Configuration& configuration, const BenchIdentity& identity,
                   Counters& counters);
 
-  /// One tick as frames, 256 axes each, unless it is repeated, and samples of axes: those that
-  /// changed state since their last one, then those that are due.
+  /// Publishes a tick: frames of 256 axes each, unless the image is a repeat, and axis samples,
+  /// first of axes that changed state since their last sample, then of those that are due.
   void publish(const StatusImage& image);
 
-  /// @return whether a tick that is published has a reader now.
+  /// @return whether status currently has a reader.
   [[nodiscard]] bool has_readers() const noexcept;
 
-  /// A tick without readers: it counts as published.
+  /// Counts a tick as published that had no readers.
   void leave_out(std::uint64_t tick) noexcept { last_tick_ = tick; }
 
-  /// @return the tick that was published last, 0 = none.
+  /// @return the last published tick, 0 = none.
   [[nodiscard]] std::uint64_t last_tick() const noexcept { return last_tick_; }
 
  private:
