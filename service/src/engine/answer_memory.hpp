@@ -15,23 +15,23 @@ namespace vdrive::service {
 /// The fate of a numbered message, derived from the latest messages of its sender.
 enum class Fate : std::uint8_t {
   unknown,    ///< it has not arrived yet
-  taken,      ///< it has arrived and is not answered: it is in progress, or it needs no answer
+  taken,      ///< it has arrived but has no answer: it is in progress, or needs no answer
   answered,   ///< its answer is kept
-  forgotten,  ///< it is too old to be known, or its answer was dropped
+  forgotten,  ///< it is too old to be remembered, or its answer was dropped
 };
 
-/// Which messages of which sender have arrived, and what was answered, so that a message acts once,
-/// however often it arrives. Fixed size: nothing allocates after construction, as far as assigning
-/// an answer does not. What was never used costs no memory. A new sender replaces the sender whose
-/// last message is the oldest.
+/// Remembers which messages have arrived from each sender, and their answers, so that a message
+/// acts once, however often it arrives. Fixed size: nothing allocates after construction, unless
+/// the assignment of an answer does. Unused room costs no memory. When the table is full, a new
+/// sender replaces the sender whose last message is the oldest.
 template <typename Answer>
 class AnswerMemory {
  public:
   static constexpr std::size_t kSenders = 1'024;
   static constexpr std::size_t kAnswers = 1'024;  ///< of all senders; the oldest is dropped first
-  /// Below kAnswers: a sender that asks without a pause leaves room for the others.
+  /// Below kAnswers, so that a sender that never pauses leaves room for the others.
   static constexpr std::size_t kAnswersPerSender = 128;
-  /// How many numbers below the highest one of a sender are remembered.
+  /// How many numbers are remembered below the highest one of a sender.
   static constexpr std::uint64_t kWindow = 1'024;
 
   AnswerMemory() : senders_(kSenders), slots_(kAnswers) { ids_.reserve(kSenders); }
@@ -40,7 +40,7 @@ class AnswerMemory {
   AnswerMemory(const AnswerMemory&) = delete;
   AnswerMemory& operator=(const AnswerMemory&) = delete;
 
-  /// @return what became of message `number` of `sender`.
+  /// @return the fate of message `number` of `sender`.
   [[nodiscard]] Fate fate_of(std::uint64_t sender, std::uint64_t number) const noexcept {
     const std::size_t place = find(sender);
     if (place == ids_.size() || number > senders_[place].highest) return Fate::unknown;
@@ -51,7 +51,7 @@ class AnswerMemory {
     return slot_of(known, number) == nullptr ? Fate::forgotten : Fate::answered;
   }
 
-  /// Message `number`, whose fate was unknown, has arrived.
+  /// Notes the arrival of message `number`, whose fate was unknown.
   void take(std::uint64_t sender, std::uint64_t number) noexcept {
     Sender& known = senders_[find_or_add(sender)];
     known.last_use = ++uses_;
@@ -80,7 +80,7 @@ class AnswerMemory {
     return &slot.answer;
   }
 
-  /// @return the answer to message `number`, never nullptr when its fate is `answered`.
+  /// @return the answer to message `number`; not nullptr if its fate is `answered`.
   [[nodiscard]] const Answer* answer_to(std::uint64_t sender, std::uint64_t number) const noexcept {
     const std::size_t place = find(sender);
     const Slot* const slot = place == ids_.size() ? nullptr : slot_of(senders_[place], number);
@@ -100,7 +100,7 @@ class AnswerMemory {
 
     void add(std::uint64_t number) noexcept { words_[word_of(number)] |= bit_of(number); }
 
-    /// Makes room for the numbers behind `highest` up to `next`.
+    /// Clears the bits of the numbers after `highest`, up to `next`.
     void forget(std::uint64_t highest, std::uint64_t next) noexcept {
       if (next - highest >= kWindow) {
         words_ = {};
@@ -128,17 +128,17 @@ class AnswerMemory {
     std::uint64_t last_use = 0;
     Numbers taken;
     Numbers answered;
-    std::size_t count = 0;   ///< answers that are kept, in a chain from the oldest
-    Slot* oldest = nullptr;  ///< holds when there is one, like `newest`
+    std::size_t count = 0;   ///< kept answers, in a chain from the oldest
+    Slot* oldest = nullptr;  ///< valid if `count` > 0, like `newest`
     Slot* newest = nullptr;
   };
 
   struct Slot {
     Sender* sender = nullptr;
     std::uint64_t number = 0;
-    Slot* next = nullptr;   ///< of the same sender; holds when there is one
-    Slot* older = nullptr;  ///< of all senders
-    Slot* newer = nullptr;  ///< likewise; of a free one the next free one
+    Slot* next = nullptr;   ///< next answer to the same sender; valid if there is one
+    Slot* older = nullptr;  ///< among the answers to all senders
+    Slot* newer = nullptr;  ///< likewise; in a free slot, the next free slot
     Answer answer;
   };
 
@@ -160,7 +160,7 @@ class AnswerMemory {
     }
     const auto senders = senders_.made();
     const auto silent = std::ranges::min_element(senders, {}, &Sender::last_use);
-    while (silent->count > 0) {  // what is no longer asked for is replaced first
+    while (silent->count > 0) {  // free the slots, so that they are reused first
       Slot& slot = *silent->oldest;
       detach(slot);
       slot.newer = std::exchange(free_, &slot);
@@ -180,7 +180,7 @@ class AnswerMemory {
     return nullptr;
   }
 
-  /// @return a slot for the next answer to `sender`: a free one, or that of the oldest answer.
+  /// @return a slot for the next answer to `sender`: a free one, or the one of the oldest answer.
   [[nodiscard]] Slot& vacate_for(const Sender& sender) noexcept {
     if (sender.count < kAnswersPerSender) {
       if (free_ != nullptr) return *std::exchange(free_, free_->newer);
@@ -192,7 +192,8 @@ class AnswerMemory {
     return slot;
   }
 
-  /// Drops the answer, which is its sender's oldest: answers go in the order in which they came.
+  /// Drops an answer. It must be the oldest one to its sender; answers are dropped in the order in
+  /// which they were added.
   void detach(Slot& slot) noexcept {
     slot.sender->oldest = slot.next;
     --slot.sender->count;
@@ -200,14 +201,14 @@ class AnswerMemory {
     (slot.newer == nullptr ? newest_ : slot.newer->older) = slot.older;
   }
 
-  std::vector<std::uint64_t> ids_;  ///< of the senders, close together
+  std::vector<std::uint64_t> ids_;  ///< of the senders; contiguous for a fast search
   LazySlots<Sender> senders_;
   LazySlots<Slot> slots_;
-  Slot* free_ = nullptr;    ///< the first of those that were used before
+  Slot* free_ = nullptr;    ///< the first of the slots that were vacated
   Slot* oldest_ = nullptr;  ///< of all answers
   Slot* newest_ = nullptr;
   std::uint64_t uses_ = 0;
-  mutable std::size_t last_found_ = 0;  ///< the sender of one message often sends the next
+  mutable std::size_t last_found_ = 0;  ///< the next message is often from the same sender
 };
 
 }  // namespace vdrive::service

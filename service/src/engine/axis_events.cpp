@@ -29,8 +29,8 @@ AxisEvents::AxisEvents(BenchAxes& axes, const Masters& masters, FrameSchedule& s
   }
 }
 
-/// All axes are compared in each tick, and in nearly all ticks nothing has changed: this is what
-/// the threads share. What has changed is reported in the order of the axes.
+/// All axes are compared in each tick, and usually nothing has changed: the threads share this
+/// comparison. Changes are then reported in the order of the axes.
 void AxisEvents::report_changes() {
   axes_.share(changed_.size(), [this](std::size_t first, std::size_t last) {
     for (std::size_t word = first; word < last; ++word) changed_[word] = changes_of(word);
@@ -88,7 +88,7 @@ void AxisEvents::report_state(std::size_t axis, const AxisStatus& status, const 
   }
 }
 
-/// The count falls when the axis is switched on again or a snapshot is restored.
+/// The count can fall when the axis is power-cycled or a snapshot is restored.
 void AxisEvents::report_faults(std::size_t axis, const AxisStatus& status, const Seen& seen) {
   if (status.fault_count < seen.fault_count) return;
   events_.report({.kind = msg::EventKind::fault,

@@ -14,20 +14,20 @@
 
 namespace vdrive::service {
 
-/// Notices after a tick what has changed on an axis: its state, its faults, ignored set-points.
+/// Reports changes of an axis after a tick: of its state, its faults, its ignored set-points.
 class AxisEvents {
  public:
   AxisEvents(BenchAxes& axes, const Masters& masters, FrameSchedule& schedule, BenchEvents& events,
              Counters& counters);
 
-  /// Reports what has changed since the last call. Frames that wait for an axis that has left
-  /// Operation enabled are cancelled.
+  /// Reports the changes since the last call. Cancels the frames that wait for an axis that has
+  /// left Operation enabled.
   void report_changes();
 
  private:
   static constexpr std::size_t kWordSize = 64;
 
-  /// What was last seen of an axis.
+  /// The last reported values of an axis.
   struct Seen {
     std::uint16_t statusword = 0;
     std::uint16_t error_code = 0;
@@ -37,8 +37,7 @@ class AxisEvents {
     static Seen of(const AxisStatus& status) noexcept;
   };
 
-  /// @return the axes of the word in which something has changed: bit n = axis kWordSize * word +
-  /// n.
+  /// @return the axes of a word that have changed: bit n stands for axis kWordSize * word + n.
   [[nodiscard]] std::uint64_t changes_of(std::size_t word) const noexcept;
   void report(std::size_t axis);
   void report_state(std::size_t axis, const AxisStatus& status, const Seen& seen);
@@ -51,7 +50,7 @@ class AxisEvents {
   BenchEvents& events_;
   Counters& counters_;
   std::vector<Seen> seen_;
-  std::vector<std::uint64_t> changed_;  ///< a bit an axis
+  std::vector<std::uint64_t> changed_;  ///< one bit per axis
 };
 
 }  // namespace vdrive::service

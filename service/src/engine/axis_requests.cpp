@@ -25,10 +25,10 @@ msg::ObjectResult& add_result(const msg::ObjectAccess& object, Reason reason, ms
   return result;
 }
 
-/// What a controlword of somebody who does not own the axis may do.
+/// The stops that a session may command on an axis that it does not own.
 enum class Stop : std::uint8_t { none, quick_stop, halt };
 
-/// A word that also commands something else is not a stop.
+/// @return the stop that the write commands; none if it also commands something else.
 Stop stop_in(ObjectRow row, std::int64_t value) {
   constexpr std::int64_t kHighest = std::numeric_limits<std::uint16_t>::max();
   if (row != "ds402_controlword"_object || value < 0 || value > kHighest) return Stop::none;
@@ -40,7 +40,7 @@ Stop stop_in(ObjectRow row, std::int64_t value) {
   return halts && command == PowerCommand::enable_operation ? Stop::halt : Stop::none;
 }
 
-/// @return the reason of a request whose results are complete.
+/// @return the reason for a reply whose results are complete.
 Reason reason_of(const msg::Reply& reply) {
   const auto& results = reply.objects;
   if (results.empty()) return msg::Reason::nothing_done;
@@ -102,8 +102,8 @@ Reason AxisRequests::write_object(const msg::ObjectAccess& object, std::uint64_t
   const std::uint64_t owner = masters_.owner(*axis).session;
   const bool is_of_other = owner != 0 && owner != session;
   const Stop stop = row ? stop_in(*row, object.value) : Stop::none;
-  // A quick stop needs no control and gives none; a halt of a free axis is a command of its
-  // session.
+  // Any session may quick-stop an axis, and does not become its owner. A halt of a free axis is an
+  // ordinary command, which makes its session the owner.
   const bool stops = is_of_other ? stop != Stop::none : owner == 0 && stop == Stop::quick_stop;
   if (stops) return stop_axis(*axis, stop == Stop::halt, session);
   if (is_of_other && !(row && has_role(*row, Role::test_input))) return kLocalControl;
@@ -117,8 +117,8 @@ Reason AxisRequests::write_object(const msg::ObjectAccess& object, std::uint64_t
   return writer_.write(*axis, *row, object.value);
 }
 
-/// A halt sets bit 8 and leaves the other bits of the controlword as they are: the set-point and
-/// its handshake with the owner stay.
+/// A halt sets bit 8 and leaves the other bits of the controlword unchanged, so that the set-point
+/// and its handshake with the owner are kept.
 Reason AxisRequests::stop_axis(std::size_t axis, bool by_halt, std::uint64_t session) {
   const auto present =
       static_cast<std::uint16_t>(axes_.bank().read(axis, "ds402_controlword"_object).value);
@@ -139,7 +139,7 @@ Reason AxisRequests::stop_axis(std::size_t axis, bool by_halt, std::uint64_t ses
   return AbortCode::none;
 }
 
-/// The session that writes a command object of a free axis becomes its owner.
+/// Makes the session that writes a command object of a free axis its owner.
 Reason AxisRequests::write_command_object(std::size_t axis, ObjectRow row, std::int64_t value,
                                           std::uint64_t session) {
   SessionRecord* const record = session == 0 ? nullptr : masters_.admit(session);

@@ -16,7 +16,8 @@
 
 namespace vdrive::service {
 
-/// Requests about objects of axes. Each function returns REASON_NONE or why the request is refused.
+/// Requests that read and write objects of axes. Each function returns REASON_NONE, or why the
+/// request is refused.
 class AxisRequests {
  public:
   AxisRequests(BenchAxes& axes, AxisWriter& writer, const BenchClock& clock, Masters& masters,

@@ -9,8 +9,8 @@
 
 namespace vdrive::service {
 
-/// Writes an object that may be the controlword of somebody who owns the axis: one that begins a
-/// halt cancels the frames that wait for the axis. What cannot be a halt needs no AxisWriter.
+/// Writes objects for the owner of an axis. A controlword that begins a halt also cancels the
+/// frames that wait for the axis. Only writes that may begin a halt need an AxisWriter.
 class AxisWriter {
  public:
   AxisWriter(BenchAxes& axes, FrameSchedule& schedule);

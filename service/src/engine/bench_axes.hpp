@@ -20,12 +20,12 @@
 
 namespace vdrive::service {
 
-/// The axes of a bench, by number and by index. Every change of an axis goes through this class, so
-/// the journal records it and the parameters of the axis are sent again.
+/// The axes of a bench, by number and by index. Every change to an axis goes through this class, so
+/// that the journal records it and the parameters of the axis are sent again.
 class BenchAxes {
  public:
-  /// While it exists, what is done to the axes is done for this author. Without one the bench
-  /// itself does it.
+  /// While this object exists, changes to the axes are attributed to `author`; otherwise to the
+  /// bench itself.
   class Authorship {
    public:
     Authorship(BenchAxes& axes, const JournalAuthor& author) : axes_(axes) {
@@ -41,14 +41,14 @@ class BenchAxes {
     BenchAxes& axes_;
   };
 
-  /// @throws std::invalid_argument when the bank refuses the axes
+  /// @throws std::invalid_argument if the bank refuses the axes
   explicit BenchAxes(const Configuration& configuration);
 
-  /// Before the first step: the first tick is the one after `last_tick`.
+  /// Sets the last completed tick. Only before the first step.
   void start_at(std::uint64_t last_tick);
 
-  /// Before the first change: records into `journal`, which outlives this object.
-  /// @throws std::system_error when the journal cannot be begun
+  /// Records all changes to `journal`, which outlives this object. Only before the first change.
+  /// @throws std::system_error if the journal cannot be written
   void record_to(Journal& journal, std::uint64_t tick);
 
   [[nodiscard]] std::size_t size() const noexcept { return numbers_.size(); }
@@ -66,7 +66,8 @@ class BenchAxes {
     return indices_[number];
   }
 
-  /// @return the index of an axis that the bench has: the message that names it was checked.
+  /// @return the index of an axis that is known to exist, because the message that names it was
+  ///         checked.
   [[nodiscard]] std::size_t index_of_checked(std::uint16_t number) const noexcept {
     const auto index = index_of(number);
     ensure(index.has_value(), "a checked message names axes of this bench");
@@ -76,35 +77,35 @@ class BenchAxes {
   /// @return the abort code of the refusal, or AbortCode::none
   AbortCode write(std::size_t axis, ObjectRow row, std::int64_t value);
 
-  /// A write that was refused without or after a question to the bank: nothing changes.
+  /// Records a refused write, whether or not the bank was asked. Nothing changes.
   void record_refusal(std::size_t axis, ObjectAddress address, std::int64_t value, Reason reason);
 
-  /// 1010h and 1011h: the bank judges the signature, and nothing changes.
+  /// Has the bank check the signature written to 1010h or 1011h. Nothing changes.
   AbortCode write_signature(std::size_t axis, ObjectRow row, std::int64_t value);
 
   void power_cycle(std::size_t axis);
 
-  /// The master of the axis fell silent.
+  /// Reports to the axis that its master has fallen silent.
   void lose_connection(std::size_t axis);
 
-  /// Nothing is stored for the axis from the next power cycle on.
+  /// Clears the stored values of the axis, effective from its next power cycle on.
   void forget_stored(std::size_t axis);
 
-  /// From the next power cycle on the axis has these values of kStoredRows.
+  /// Sets the stored values of the axis (of kStoredRows), effective from its next power cycle on.
   void set_stored(std::size_t axis, std::span<const std::int64_t> values);
 
-  /// Gives all axes the state of the snapshot, but for what is stored: that is on a disk.
+  /// Sets all axes to the state of the snapshot, except for their stored values: those are on disk.
   void restore(const std::shared_ptr<const AxisBank::Snapshot>& snapshot, std::uint64_t tick);
 
-  /// One tick of all axes.
+  /// Steps all axes by one tick.
   void step() { pool_.step(); }
 
-  /// Calls `work(first, last)` for parts that together are 0 to `count`, which stand for the axes
-  /// in their order: in the threads that step these axes, where there are enough to be worth it.
-  /// @param work throws nothing
+  /// Calls `work(first, last)` for parts of [0, count), which represents the axes in their order.
+  /// If there are enough axes, the parts run in the threads that step these axes.
+  /// @param work must not throw
   template <typename Work>
   void share(std::size_t count, const Work& work) noexcept {
-    // Fewer axes are copied in less time than the threads need to meet.
+    // Fewer axes are processed in less time than the threads take to synchronise.
     constexpr std::size_t kWorthSharing = 1'024;
     if (size() < kWorthSharing) {
       work(0, count);
@@ -113,22 +114,21 @@ class BenchAxes {
     }
   }
 
-  /// The calling thread will step: the threads that help get its schedule.
+  /// Called by the thread that will step: gives its scheduling to the threads that help it.
   void schedule_as_caller() noexcept { pool_.schedule_as_caller(); }
 
-  /// The tick is complete.
+  /// Records the completed tick.
   void record_tick(std::uint64_t tick);
 
-  /// @return what the journal has not reported yet.
+  /// @return the next unreported news of the journal.
   [[nodiscard]] std::optional<JournalNews> next_journal_news();
 
-  /// What was written last.
+  /// @return the last writes.
   [[nodiscard]] WriteMemory& writes() noexcept { return writes_; }
 
-  /// What happened in the last minutes.
   [[nodiscard]] BlackBox& black_box() noexcept { return black_box_; }
 
-  /// The axes whose parameters have to be sent.
+  /// @return the axes whose parameters have to be sent.
   [[nodiscard]] ChangedAxes& changed() noexcept { return changed_; }
 
  private:
@@ -137,7 +137,7 @@ class BenchAxes {
   AxisBank bank_;
   StepPool pool_;
   std::vector<std::uint16_t> numbers_;  ///< by index
-  std::vector<std::uint16_t> indices_;  ///< by number, as far as there are axes; kMaxAxes = none
+  std::vector<std::uint16_t> indices_;  ///< by number, up to the highest one; kMaxAxes = no axis
   ChangedAxes changed_;
   WriteMemory writes_;
   BlackBox black_box_;

@@ -68,7 +68,8 @@ void BenchBrake::stop_axis(std::size_t axis, Braking braking) {
   }
 }
 
-/// What has come to rest in Switched on, or holds its position after a quick stop.
+/// Switches off an axis that is in Switched on or Ready to switch on, or is at standstill in Quick
+/// stop active.
 void BenchBrake::switch_off_at_rest(std::size_t axis) {
   const PowerState state = axes_.bank().power_state(axis);
   if (is_between(state) || (state == PowerState::quick_stop_active && stands(axis))) {

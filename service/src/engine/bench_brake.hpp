@@ -11,29 +11,29 @@
 
 namespace vdrive::service {
 
-/// How a bench that ends brings its enabled axes to rest.
+/// How a bench brings its enabled axes to rest when it ends.
 enum class Braking : std::uint8_t {
   ramp,        ///< Disable operation: the ramp of 605Ch
   quick_stop,  ///< the ramp of 605Ah
   none,        ///< Disable voltage: they coast
 };
 
-/// The end of a bench: the axes come to rest and lose their power.
+/// Ends a bench: brings the axes to rest and removes their power.
 class BenchBrake {
  public:
   BenchBrake(BenchAxes& axes, FrameSchedule& schedule, BenchEvents& events);
 
-  /// Writes the controlwords that brake the axes that are still enabled; the first call also
-  /// cancels the frames that wait.
+  /// Writes the controlwords that brake the axes that are still enabled. The first call also
+  /// cancels all waiting frames.
   void engage(Braking braking);
 
-  /// Once engaged: switches off what has come to rest.
+  /// Once engaged, switches off the axes that have come to rest.
   void switch_off_at_rest();
 
-  /// @return whether the bench ends.
+  /// @return whether the bench is ending.
   [[nodiscard]] bool is_engaged() const noexcept { return braking_.has_value(); }
 
-  /// @return whether an axis is in any other state than Not ready to switch on, Switch on disabled
+  /// @return whether any axis is in a state other than Not ready to switch on, Switch on disabled
   ///         and Fault.
   [[nodiscard]] bool has_power() const noexcept;
 

@@ -9,40 +9,39 @@
 
 namespace vdrive::service {
 
-/// The time of a bench: the number of its last completed tick, and how fast ticks follow each
-/// other.
+/// The drive time of a bench: the number of its last completed tick, and the rate of the ticks.
 class BenchClock {
  public:
   /// The last completed tick is 0 until `start_at`.
   BenchClock(const Configuration& configuration, Counters& counters);
 
-  /// Before the first step: the first tick is the one after `last_tick`.
+  /// Sets the last completed tick. Only before the first step.
   void start_at(std::uint64_t last_tick);
 
   void complete_tick();
 
-  /// The tick number goes forward and the state of the axes is held.
+  /// Moves the tick number forward without running the ticks.
   void jump(std::uint64_t ticks);
 
   void set_rate(double rate);
 
-  /// Last completed tick.
+  /// @return the last completed tick.
   [[nodiscard]] std::uint64_t tick() const noexcept { return tick_; }
 
-  /// Ticks that the number jumped over since the start of the service: they were not run.
+  /// @return the number of ticks jumped over (not run) since the start of the service.
   [[nodiscard]] std::uint64_t skipped() const noexcept { return skipped_; }
 
   [[nodiscard]] std::uint64_t next_tick() const noexcept { return tick_ + 1; }
 
   [[nodiscard]] ClockMode mode() const noexcept { return mode_; }
 
-  /// Realtime: drive time over wall time, 0 = paused. 0 in other clock modes.
+  /// @return the ratio of drive time to wall time in realtime, 0 = paused. 0 in other clock modes.
   [[nodiscard]] double rate() const noexcept { return rate_; }
 
-  /// @return whether no tick comes by itself: lock-step, or paused.
+  /// @return whether time stands still without a request: lock-step, or paused.
   [[nodiscard]] bool time_stands() const noexcept;
 
-  /// @return the ticks that `time` takes, rounded up.
+  /// @return the number of ticks in `time`, rounded up.
   [[nodiscard]] std::uint64_t ticks_in(std::chrono::microseconds time) const noexcept;
 
  private:

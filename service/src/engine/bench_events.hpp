@@ -17,11 +17,11 @@ class BenchEvents {
   BenchEvents(const BenchClock& clock, BlackBox& black_box, Ring<EventRecord>& queue,
               Counters& counters);
 
-  /// Puts the event into the black box and the queue, with the present tick. A full queue is
-  /// counted.
+  /// Puts the event into the black box and the queue, with the present tick. If the queue is full,
+  /// the overflow is counted.
   void report(EventRecord event);
 
-  /// Reports that queues were full, in whatever thread, as soon as there is room for that event.
+  /// Reports overflows of queues in any thread, as soon as there is room for that event.
   void report_overflows();
 
   [[nodiscard]] bool has_room() const noexcept { return queue_.size() < queue_.capacity(); }

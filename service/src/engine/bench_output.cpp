@@ -9,7 +9,7 @@
 namespace vdrive::service {
 namespace {
 
-// After a restore all axes have changed: each tick takes a part of them, so that none is late.
+// After a restore all axes have changed; each tick sends a part of them, so that no tick is late.
 constexpr std::size_t kParametersPerTick = 16;
 
 }  // namespace
@@ -49,7 +49,7 @@ void BenchOutput::queue_changes() {
   ChangedAxes& changed = axes_.changed();
   for (std::size_t count = 0; count < kParametersPerTick && !changed.empty(); ++count) {
     msg::AxisParameters* const slot = outbox_.parameters.free_slot();
-    if (slot == nullptr) return;  // they stay marked; later changes of the same axis join them
+    if (slot == nullptr) return;  // the axes stay marked, and are sent with their latest values
     const std::size_t axis = changed.take();
     wire::to_message(axes_.bank(), axis, {identity_.bench, axes_.number_of(axis)}, clock_.tick(),
                      *slot);

@@ -11,19 +11,19 @@
 
 namespace vdrive::service {
 
-/// What a bench publishes without a request: status images, changed parameters, and events about
-/// its journal and its queues.
+/// The unsolicited output of a bench: status images, changed parameters, and events about its
+/// journal and its queues.
 class BenchOutput {
  public:
   BenchOutput(const BenchIdentity& identity, const BenchClock& clock, BenchAxes& axes,
               const Masters& masters, BenchEvents& events, Outbox& outbox, Counters& counters);
 
   /// Puts the status image of the last tick into the outbox.
-  /// @param repeated the image was published before; it is sent again for clients that joined later
+  /// @param repeated the image was published before and is sent again for clients that joined since
   void queue_status(bool repeated);
 
-  /// Puts what has changed into the outbox: as many changed parameter sets as fit, events about
-  /// full queues, and the state of the journal.
+  /// Puts changes into the outbox: as many changed parameter sets as fit, events about overflows of
+  /// queues, and the state of the journal.
   void queue_changes();
 
  private:

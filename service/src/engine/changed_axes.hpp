@@ -7,8 +7,8 @@
 
 namespace vdrive::service {
 
-/// Axes whose parameters have changed since they were last sent: each once, in the order of its
-/// first change. Fixed size: no allocation after construction.
+/// The axes whose parameters have changed since they were last sent, each once, in the order of
+/// their first change. Fixed size: no allocation after construction.
 class ChangedAxes {
  public:
   explicit ChangedAxes(std::size_t axes);
@@ -17,7 +17,7 @@ class ChangedAxes {
 
   [[nodiscard]] bool empty() const noexcept { return count_ == 0; }
 
-  /// @return the axis that was marked first; it is not marked any more. Not when `empty`.
+  /// Removes and returns the axis that was marked first. Precondition: not `empty`.
   std::size_t take() noexcept;
 
  private:

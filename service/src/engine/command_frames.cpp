@@ -56,7 +56,7 @@ void CommandFrames::handle(Arrival& arrival) {
 
 void CommandFrames::apply_due() {
   while (schedule_.take_due(clock_.next_tick(), due_frame_)) {
-    // After a jump of the tick number a frame may be past its time.
+    // After a jump of the tick number, a frame may have expired.
     const std::uint64_t valid_until = due_frame_.valid_until_tick;
     if (valid_until != 0 && valid_until < clock_.next_tick()) {
       refuse(due_frame_, msg::Reason::too_late);
@@ -77,21 +77,22 @@ void CommandFrames::refuse(const msg::CommandFrame& frame, Reason reason) {
   application_.record_refused(frame, reason);
 }
 
-/// What is refused here is no frame of a session of this run: it is not remembered.
+/// A frame that is refused here does not belong to a session of this incarnation, so it is not
+/// remembered.
 Reason CommandFrames::check_sender(const msg::CommandFrame& frame) const noexcept {
   if (!answers_.is_of_this_run(frame)) return msg::Reason::wrong_incarnation;
   if (frame.session == 0) return msg::Reason::bad_session;
   return msg::Reason::none;
 }
 
-/// A client repeats what was not answered after the way between it and this bench broke.
-/// @return whether the frame has arrived before.
+/// After its connection to the bench was interrupted, a client repeats unanswered frames.
+/// @return whether the frame has arrived before
 bool CommandFrames::answer_repeat(const msg::CommandFrame& frame) {
   switch (answers_.fate_of(frame)) {
     case Fate::unknown:
       answers_.take(frame);
       return false;
-    case Fate::taken:  // it waits for its tick, or no answer was wanted
+    case Fate::taken:  // it waits for its tick, or wants no answer
       break;
     case Fate::answered:
       answers_.repeat(frame);
@@ -105,7 +106,7 @@ bool CommandFrames::answer_repeat(const msg::CommandFrame& frame) {
 
 Reason CommandFrames::check(const Arrival& arrival, const SessionRecord& record) const {
   const auto& frame = arrival.frame;
-  // Commands keep their order; one that was overtaken by keep-alives alone still acts.
+  // Commands keep their order, but one that was only overtaken by keep-alives still acts.
   if (frame.sequence_number <= record.last_command) return msg::Reason::too_late;
   if (record.epoch == 0 && frame.epoch == 0) return msg::Reason::not_owner;
   if (frame.epoch != record.epoch) return msg::Reason::stale_epoch;

@@ -17,17 +17,17 @@
 
 namespace vdrive::service {
 
-/// The command frames that arrive: checks each, and applies it in the next tick or in its own.
+/// Checks arriving command frames, and applies each in the next tick or in its target tick.
 class CommandFrames {
  public:
-  /// How far ahead a frame may be sent.
+  /// How far in the future the target tick of a frame may be.
   static constexpr std::chrono::seconds kFurthestAhead{10};
 
   CommandFrames(const BenchClock& clock, const BenchBrake& brake, Masters& masters,
                 FrameSchedule& schedule, FrameAnswers& answers, FrameApplication& application,
                 Counters& counters);
 
-  /// Takes the content of a frame that waits for its tick.
+  /// Handles a frame. If the frame waits for its tick, its content is moved out.
   void handle(Arrival& arrival);
 
   /// Applies the frames of the next tick.

@@ -11,20 +11,20 @@
 
 namespace vdrive::service {
 
-/// A client's session as the bench knows it.
+/// The bench's record of a session.
 struct SessionRecord {
   std::uint64_t session = 0;
-  std::uint32_t epoch = 0;              ///< current one, 0 = holds no axis
-  std::uint64_t last_message_tick = 0;  ///< last tick completed when a message of it arrived
-  std::uint64_t last_sequence = 0;      ///< highest one of the command frames that arrived
-  std::uint64_t last_command = 0;       ///< highest one that was accepted and does something
+  std::uint32_t epoch = 0;              ///< current epoch, 0 = owns no axis
+  std::uint64_t last_message_tick = 0;  ///< last completed tick when its last message arrived
+  std::uint64_t last_sequence = 0;      ///< highest sequence number of arrived command frames
+  std::uint64_t last_command = 0;  ///< highest sequence number of accepted frames with commands
   std::size_t owned_axes = 0;
-  bool must_acquire = false;  ///< axes were lost or taken: a late write takes none of them again
+  bool must_acquire = false;  ///< it lost axes; a late write must not take them again
 };
 
-/// Who is in control of which axis. One owner an axis; epochs come from one counter of the bench,
-/// and a session has one current epoch, which every change of what it owns renews. Fixed size: no
-/// allocation after construction.
+/// Which session controls which axis. An axis has at most one owner. A session has one current
+/// epoch, which is renewed whenever the set of its axes changes; epochs come from one counter of
+/// the bench. Fixed size: no allocation after construction.
 class ControlTable {
  public:
   static constexpr std::size_t kMaxSessions = 1024;
@@ -35,19 +35,19 @@ class ControlTable {
   [[nodiscard]] SessionRecord* find(std::uint64_t session) noexcept;
   [[nodiscard]] const SessionRecord* find(std::uint64_t session) const noexcept;
 
-  /// @return the record of `session` (not 0), made when there is none: a full table forgets the
-  ///         session without axes whose last message is the oldest; nullptr when every session
-  ///         holds an axis.
+  /// @return the record of `session` (not 0), created if there is none. A full table forgets the
+  ///         session without axes whose last message is the oldest; nullptr if every session owns
+  ///         an axis.
   [[nodiscard]] SessionRecord* find_or_add(std::uint64_t session, std::uint64_t tick) noexcept;
 
-  /// Gives the free axis, or an axis of another session, to `owner`. The axis count of the previous
-  /// owner drops; `renew_epoch` renews the epochs.
+  /// Gives the axis, free or owned by another session, to `owner`, and updates the axis count of
+  /// the previous owner. Does not renew epochs; call `renew_epoch` afterwards.
   void give(std::size_t axis, SessionRecord& owner) noexcept;
 
-  /// Makes the axis free.
+  /// Frees the axis.
   void take(std::size_t axis) noexcept;
 
-  /// A new epoch for all axes of the session; 0 when it holds none.
+  /// Gives all axes of the session a new epoch; 0 if it owns none.
   void renew_epoch(SessionRecord& record) noexcept;
 
   [[nodiscard]] const wire::Ownership& owner(std::size_t axis) const noexcept {

@@ -44,7 +44,7 @@ void FrameAnswers::send(const msg::CommandFrame& frame, msg::CommandReply& reply
   post(reply);
 }
 
-/// In a reply of its own: a frame that halts cancels others while its answer is being built.
+/// Uses a separate reply, because a frame that halts cancels others while its own answer is built.
 void FrameAnswers::refuse(const msg::CommandFrame& frame, Reason reason) {
   refusal_.refusals.front().reason = reason.on_wire();
   counters_.frames_refused.add();
@@ -57,7 +57,7 @@ void FrameAnswers::refuse(const msg::CommandFrame& frame, Reason reason) {
   send(frame, refusal_);
 }
 
-/// @return how many ticks the next one is past the one that the frame was meant for.
+/// @return by how many ticks the frame is late for the next tick.
 std::uint64_t FrameAnswers::lateness(const msg::CommandFrame& frame) const noexcept {
   const std::uint64_t next = clock_.next_tick();
   const auto past = [next](std::uint64_t tick) {

@@ -15,27 +15,27 @@
 
 namespace vdrive::service {
 
-/// The answers to command frames: sends them, and keeps the last ones for frames that arrive again.
+/// Sends the answers to command frames, and keeps the last ones for frames that arrive again.
 class FrameAnswers {
  public:
   FrameAnswers(const BenchIdentity& identity, const BenchClock& clock, BenchEvents& events,
                Ring<StoredCommandReply>& queue, Counters& counters);
 
-  /// @return whether the frame was sent to this run of the bench.
+  /// @return whether the frame is addressed to this incarnation of the bench.
   [[nodiscard]] bool is_of_this_run(const msg::CommandFrame& frame) const noexcept;
 
   [[nodiscard]] Fate fate_of(const msg::CommandFrame& frame) const noexcept;
 
-  /// The frame, whose fate was unknown, has arrived.
+  /// Notes the arrival of a frame whose fate was unknown.
   void take(const msg::CommandFrame& frame);
 
-  /// Sends the answer to a frame whose fate is `answered` once more.
+  /// Resends the answer to a frame whose fate is `answered`.
   void repeat(const msg::CommandFrame& frame);
 
   /// Completes `reply`, keeps it and sends it.
   void send(const msg::CommandFrame& frame, msg::CommandReply& reply);
 
-  /// Refuses the frame as a whole.
+  /// Refuses the entire frame.
   void refuse(const msg::CommandFrame& frame, Reason reason);
 
  private:
@@ -48,8 +48,8 @@ class FrameAnswers {
   Ring<StoredCommandReply>& queue_;
   Counters& counters_;
   AnswerMemory<StoredCommandReply> memory_;  ///< by session and sequence number
-  msg::CommandReply refusal_;                ///< of a frame as a whole
-  msg::CommandReply repeated_;               ///< with room for the largest one
+  msg::CommandReply refusal_;                ///< of an entire frame
+  msg::CommandReply repeated_;               ///< has room for the largest answer
 };
 
 }  // namespace vdrive::service

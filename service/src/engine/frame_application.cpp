@@ -12,7 +12,8 @@ namespace {
 
 using namespace vdrive::literals;
 
-/// A register member of AxisCommand. Rows in the order of their bits: the order of application.
+/// A register member of AxisCommand. The rows are in the order of their bits, which is the order of
+/// application.
 struct RegisterMember {
   std::uint16_t bit = 0;
   ObjectRow row = 0;
@@ -46,8 +47,9 @@ constexpr std::array<RegisterMember, 6> kRegisterMembers{{
      }},
 }};
 
-/// Objects by which an axis judges others: 607Bh decides on 60F2h, 5E20h:05 on 6060h. A frame that
-/// is applied whole is judged before any of it is written.
+/// Objects whose values decide whether writes to others are accepted: 607Bh decides on 60F2h,
+/// 5E20h:05 on 6060h. An all-or-nothing frame may not contain them, because it is checked in full
+/// before any of it is written.
 constexpr bool decides_on_others(ObjectRow row) {
   return row == "min_position_range_limit"_object || row == "max_position_range_limit"_object ||
          row == "habit_mode_change_refusal"_object;
@@ -122,7 +124,8 @@ void FrameApplication::begin(const msg::CommandFrame& frame) {
   }
 }
 
-/// Of a frame that is applied whole or not at all: what is refused because something else was.
+/// In a refused all-or-nothing frame, records the commands that are only refused because another
+/// one was.
 void FrameApplication::record_left_out(const msg::CommandFrame& frame) {
   for (std::size_t position = 0; position < frame.axes.size(); ++position) {
     const Target& target = targets_[position];
@@ -162,7 +165,7 @@ bool FrameApplication::mark_named(std::size_t axis) {
   return is_first;
 }
 
-/// @return REASON_NONE or why the command is refused.
+/// @return REASON_NONE, or why the command is refused.
 Reason FrameApplication::admit(const msg::AxisCommand& command, std::uint64_t session,
                                Target& target) {
   const auto axis = axes_.index_of(command.axis);
@@ -188,8 +191,8 @@ void FrameApplication::apply_each(const msg::CommandFrame& frame) {
   }
 }
 
-/// Writes nothing before everything is accepted: a write does more than to change its register, and
-/// the old value would not take that back.
+/// Writes nothing before everything is accepted: a write can have more effects than the change of
+/// its register, and restoring the old value would not undo them.
 void FrameApplication::apply_all_or_nothing(const msg::CommandFrame& frame) {
   bool accepted = true;
   const auto& commands = frame.axes;
@@ -211,7 +214,7 @@ void FrameApplication::apply_all_or_nothing(const msg::CommandFrame& frame) {
   counters_.commands_applied.add(commands.size());
 }
 
-/// @return whether each of them is accepted.
+/// @return whether all registers are accepted.
 bool FrameApplication::pass_registers(const msg::AxisCommand& command, std::size_t axis,
                                       Pass pass) {
   bool accepted = true;
@@ -237,13 +240,13 @@ bool FrameApplication::pass_registers(const msg::AxisCommand& command, std::size
 
 bool FrameApplication::pass_register(std::size_t axis, ObjectRow row, std::int64_t value,
                                      Pass pass) {
-  // The controlword has a member, whose place is last. Storing is answered when it is durable, and
-  // frames are answered at once.
+  // Refuses the controlword, which has its own member and is applied last, and the objects that
+  // store parameters: they are answered once durable, but frames are answered immediately.
   const Change change = describe(row).change;
   const bool judges = pass == Pass::judge;
   AbortCode code = AbortCode::cannot_be_mapped_to_pdo;
   if (change != Change::power && change != Change::memory && !(judges && decides_on_others(row))) {
-    // Past the AxisWriter: a register begins no halt.
+    // Without the AxisWriter, because these registers cannot begin a halt.
     code = judges ? axes_.bank().check(axis, row, value) : axes_.write(axis, row, value);
   }
   if (code == AbortCode::none) return true;

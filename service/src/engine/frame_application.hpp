@@ -24,19 +24,19 @@ class FrameApplication {
 
   void apply(const msg::CommandFrame& frame);
 
-  /// The frame was refused as a whole.
+  /// Records that the entire frame was refused.
   void record_refused(const msg::CommandFrame& frame, Reason reason);
 
  private:
-  /// What a command of the frame is for.
+  /// The axis of a command of the frame.
   struct Target {
-    std::size_t axis = 0;  ///< index; holds when it is not refused
+    std::size_t axis = 0;  ///< index; valid unless refused
     bool is_refused = false;
   };
 
-  /// What happens to the registers of a command.
+  /// What a pass over the registers of a command does.
   enum class Pass : std::uint8_t {
-    judge,  ///< of a frame that is applied whole or not at all: refuses, writes nothing
+    judge,  ///< checks and refuses, writes nothing (for all-or-nothing frames)
     write,
   };
 
@@ -59,7 +59,7 @@ class FrameApplication {
   FrameAnswers& answers_;
   BenchEvents& events_;
   Counters& counters_;
-  msg::CommandReply reply_;              ///< of the frame that is being applied
+  msg::CommandReply reply_;              ///< to the frame being applied
   std::vector<Target> targets_;          ///< of its commands
   std::vector<std::uint32_t> named_in_;  ///< by index: the last frame that named the axis
   std::uint32_t frame_count_ = 0;

@@ -11,16 +11,16 @@
 
 namespace vdrive::service {
 
-/// The command frames that wait for their tick. A frame that is cancelled is answered with
+/// The command frames that wait for their tick. A cancelled frame is answered with
 /// REASON_CANCELLED.
 class FrameSchedule {
  public:
   FrameSchedule(FrameAnswers& answers, Counters& counters);
 
-  /// Takes the content of `frame`, to be due at `tick`. @return false when there is no room.
+  /// Takes the content of `frame`, which is due at `tick`. @return false if there is no room.
   [[nodiscard]] bool insert(std::uint64_t tick, msg::CommandFrame& frame);
 
-  /// Moves the first frame that is due at `tick` into `frame`. @return false when none is.
+  /// Moves the first frame that is due at `tick` to `frame`. @return false if none is due.
   [[nodiscard]] bool take_due(std::uint64_t tick, msg::CommandFrame& frame);
 
   void cancel_all();

@@ -9,7 +9,7 @@
 
 namespace vdrive::service {
 
-/// Adds a mark to the objects of an answer about what has happened. @return it
+/// Adds a mark to the objects of an answer that reports history. @return the mark
 inline msg::ObjectResult& add_mark(wire::WrittenMark mark, std::uint64_t value, msg::Reply& reply) {
   auto& entry = reply.objects.emplace_back();
   entry.subindex = static_cast<std::uint8_t>(mark);
@@ -17,7 +17,7 @@ inline msg::ObjectResult& add_mark(wire::WrittenMark mark, std::uint64_t value, 
   return entry;
 }
 
-/// @return the mark of those who make the writes that follow.
+/// @return the mark for the author of the writes that follow.
 [[nodiscard]] constexpr wire::WrittenMark mark_of(JournalAuthor::Means means) noexcept {
   switch (means) {
     case JournalAuthor::Means::request:

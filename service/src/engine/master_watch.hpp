@@ -12,20 +12,21 @@
 
 namespace vdrive::service {
 
-/// The watchdog of the masters: a session that owns axes has to send something in time. Masters
-/// live by the wall clock: where drive time runs faster, they have more ticks.
+/// The watchdog of the masters: a session that owns axes must send something in time. Masters run
+/// by the wall clock, so they get more ticks when drive time runs faster.
 class MasterWatch {
  public:
   MasterWatch(const Configuration& configuration, const BenchClock& clock, Masters& masters,
               Counters& counters);
 
-  /// Takes the axes from every master that was silent for too long, and notes the longest silence.
+  /// Takes the axes from every master that has been silent for too long, and notes the longest
+  /// silence.
   void watch();
 
-  /// The rate of the clock has changed: the time of every master begins anew.
+  /// Follows a change of the clock's rate: the time of every master restarts.
   void follow_rate();
 
-  /// The tick number went forward: that is no silence of a master.
+  /// Follows a jump of the tick number, which does not count as silence of a master.
   void skip(std::uint64_t ticks);
 
  private:
@@ -37,8 +38,8 @@ class MasterWatch {
   Counters& counters_;
   std::chrono::microseconds period_;
   std::uint64_t longest_silence_ = 0;                  ///< [ticks]
-  std::optional<std::chrono::milliseconds> watchdog_;  ///< at a rate of 1 or below
-  std::uint64_t ticks_;                                ///< that a master may be silent; 0 = off
+  std::optional<std::chrono::milliseconds> watchdog_;  ///< permitted silence at rates up to 1
+  std::uint64_t ticks_;                                ///< permitted silence [ticks]; 0 = off
 };
 
 }  // namespace vdrive::service

@@ -82,7 +82,8 @@ Reason Masters::acquire(const msg::Request& request, msg::Reply& reply) {
   return msg::Reason::none;
 }
 
-/// The owner, if any, loses the axis to another session: its epoch and its waiting frames end.
+/// Takes the axis from its owner, if any, for another session. The owner gets a new epoch, and its
+/// waiting frames are cancelled.
 void Masters::take_from_owner(std::size_t axis) {
   SessionRecord* const loser = control_.find(control_.owner(axis).session);
   if (loser == nullptr || control_.owner(axis).session == 0) return;
@@ -117,7 +118,7 @@ Reason Masters::release(const msg::Request& request, msg::Reply& reply) {
   return msg::Reason::none;
 }
 
-/// Frees the axes that the request names, or all of its session when it names none.
+/// Frees the axes in the request, or all axes of its session if it names none.
 void Masters::free_axes(const msg::Request& request) {
   for (const std::uint16_t number : request.axes) control_.take(axes_.index_of_checked(number));
   for (std::size_t axis = 0; request.axes.empty() && axis < axes_.size(); ++axis) {

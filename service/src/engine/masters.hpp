@@ -17,7 +17,7 @@
 
 namespace vdrive::service {
 
-/// The sessions that control axes: who owns which axis, and how an axis changes its owner.
+/// The sessions that control axes: which session owns which axis, and how axes change owners.
 class Masters {
  public:
   Masters(BenchAxes& axes, const BenchClock& clock, FrameSchedule& schedule, BenchEvents& events,
@@ -36,37 +36,37 @@ class Masters {
   /// @return the record of `session`, or nullptr.
   [[nodiscard]] const SessionRecord* find(std::uint64_t session) const noexcept;
 
-  /// @return the record of `session` (not 0), made when there is none; nullptr when the table is
+  /// @return the record of `session` (not 0), created if there is none; nullptr if the table is
   ///         full.
   [[nodiscard]] SessionRecord* admit(std::uint64_t session);
 
-  /// A message of the session arrived now.
+  /// Notes that a message of the session has just arrived.
   void note_message(std::uint64_t session);
 
-  /// A command frame of the owner was applied to the axis.
+  /// Notes that a command frame of the owner was applied to the axis.
   void set_applied(std::size_t axis, std::uint64_t sequence) noexcept {
     control_.set_applied(axis, sequence);
   }
 
   /// Checks that the request names axes, that they exist, and that no other session owns them.
-  /// @return REASON_NONE or why it is refused; `reply` then names the axis and its owner.
+  /// @return REASON_NONE, or why the request is refused; `reply` then names the axis and its owner.
   [[nodiscard]] Reason check_axes(const msg::Request& request, bool owned_by_others_allowed,
                                   msg::Reply& reply) const;
 
-  /// Names the axis with this number, and its owner, as the reason of a refusal. The first one that
-  /// is named stays.
+  /// Names the axis with this number, and its owner, as the cause of a refusal. Only the first call
+  /// for a reply has an effect.
   void name_refused(std::uint16_t number, msg::Reply& reply) const;
 
-  // Requests of a session, which is not 0. @return REASON_NONE or why the request is refused.
+  // Requests of a session other than 0. @return REASON_NONE, or why the request is refused.
   /// REQUEST_ACQUIRE and REQUEST_TAKE_OVER.
   [[nodiscard]] Reason acquire(const msg::Request& request, msg::Reply& reply);
   [[nodiscard]] Reason release(const msg::Request& request, msg::Reply& reply);
 
-  /// Gives the free axis to the session, which wrote a command object of it.
+  /// Gives the free axis to a session that wrote a command object of it.
   void give(std::size_t axis, SessionRecord& record);
 
-  /// The session, which owns axes, sent nothing for `silence` of drive time: its axes react to the
-  /// loss of the connection.
+  /// Takes all axes from a session that was silent for `silence` of drive time; the axes react to
+  /// the loss of the connection.
   void lose(SessionRecord& record, std::chrono::milliseconds silence);
 
  private:

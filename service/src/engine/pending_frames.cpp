@@ -39,7 +39,7 @@ bool PendingFrames::contains(std::uint64_t session, std::uint64_t sequence) cons
   });
 }
 
-/// The lists stay where they are, each with its own room.
+/// Swaps the heads and the commands, but not the lists of commands: each keeps its own capacity.
 void PendingFrames::exchange(Slot& slot, msg::CommandFrame& frame) {
   std::swap(slot.head, frame);
   std::swap(slot.head.axes, frame.axes);

@@ -13,23 +13,22 @@
 
 namespace vdrive::service {
 
-/// Command frames that wait for their tick, in order of tick, then of arrival. Fixed size; commands
-/// move in and out by swapping, so that nothing allocates. Room that was never used costs no
-/// memory.
+/// The command frames that wait for their tick, ordered by tick, then by arrival. Fixed size;
+/// commands are swapped in and out, so nothing allocates. Unused room costs no memory.
 class PendingFrames {
  public:
   static constexpr std::size_t kCapacity = Outbox::kPendingFrames;
 
   PendingFrames();
 
-  /// Takes the content of `frame`, to be due at `tick`. @return false when there is no room.
+  /// Takes the content of `frame`, which is due at `tick`. @return false if there is no room.
   [[nodiscard]] bool insert(std::uint64_t tick, msg::CommandFrame& frame) noexcept;
 
-  /// Moves the first frame that is due at `tick` into `frame`. @return false when none is.
+  /// Moves the first frame that is due at `tick` to `frame`. @return false if none is due.
   [[nodiscard]] bool take_due(std::uint64_t tick, msg::CommandFrame& frame) noexcept;
 
-  /// Removes the frames for which `condition(head, commands)` holds and shows the head of each to
-  /// `dropped(head)`: the frame without its commands.
+  /// Removes the frames for which `condition(head, commands)` holds, and calls `dropped(head)` for
+  /// each. The head is the frame without its commands.
   template <typename Condition, typename Dropped>
   void drop_if(Condition condition, Dropped dropped) {
     for (std::size_t position = 0; position < order_.size();) {

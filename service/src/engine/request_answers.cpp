@@ -51,8 +51,8 @@ void RequestAnswers::begin(const Arrival& arrival, OutgoingReply& outgoing) cons
   outgoing.page.reset();
 }
 
-/// An entry of 1003h beyond the last fault is no refusal: programs that read all objects learn from
-/// it where the list ends.
+/// Reading an entry of 1003h beyond the last fault does not count as a refusal: programs that read
+/// all objects find the end of the list that way.
 void RequestAnswers::finish(std::uint64_t session, Reason reason, msg::Reply& reply,
                             Objects objects) {
   reply.reason = reason.on_wire();
@@ -61,7 +61,7 @@ void RequestAnswers::finish(std::uint64_t session, Reason reason, msg::Reply& re
   reply.last_sequence = record == nullptr ? 0 : record->last_sequence;
   counters_.requests_answered.add();
   std::uint16_t axis = reply.refused_axis;
-  msg::Reason code = reason.on_wire();  // of the request, or of its first object that is refused
+  msg::Reason code = reason.on_wire();  // of the request, or of its first refused object
   for (const auto& object : reply.objects) {
     if (objects == Objects::history) break;
     if (object.abort_code == Reason(AbortCode::no_data_available).on_wire()) continue;
@@ -81,7 +81,7 @@ void RequestAnswers::finish(std::uint64_t session, Reason reason, msg::Reply& re
   if (reply.reason != msg::Reason::wrong_incarnation) keep(reply);
 }
 
-/// Without the axes that it shows, of which there may be very many.
+/// Keeps the answer without its statuses, of which there may be very many.
 void RequestAnswers::keep(const msg::Reply& reply) {
   if (auto* const kept = memory_.keep(reply.client, reply.request_id)) kept->keep(reply);
 }
@@ -94,8 +94,8 @@ void RequestAnswers::take(const msg::Request& request) {
   memory_.take(request.client, request.request_id);
 }
 
-/// With the kept answer, but the statuses of a step are those of now. An answer that is not kept
-/// any more becomes a refusal: doing the same again would be worse.
+/// Sends the kept answer; for a step, with the present statuses. If the answer is no longer kept,
+/// refuses the request: carrying it out a second time would be worse.
 void RequestAnswers::repeat(const Arrival& arrival) {
   OutgoingReply* const outgoing = open();
   if (outgoing == nullptr) return;
@@ -120,7 +120,7 @@ void RequestAnswers::add_statuses(const msg::Request& request, OutgoingReply& ou
   outgoing.axes.resize(numbers.size());
   for (std::size_t place = 0; place < numbers.size(); ++place) {
     const std::size_t axis = axes_.index_of_checked(numbers[place]);
-    wire::ShownAxis& shown = outgoing.axes[place];  // in place: a copy would wait for its writes
+    wire::ShownAxis& shown = outgoing.axes[place];  // in place: a copy would stall on its writes
     shown.number = numbers[place];
     shown.tick = clock_.tick();
     shown.owner = masters_.owner(axis);

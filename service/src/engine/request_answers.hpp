@@ -18,51 +18,52 @@
 
 namespace vdrive::service {
 
-/// The answers to requests: begins, completes and sends them, and keeps the last ones for requests
-/// that arrive again.
+/// Prepares, completes and sends the answers to requests, and keeps the last ones for requests that
+/// arrive again.
 class RequestAnswers {
  public:
   RequestAnswers(const BenchIdentity& identity, const BenchClock& clock, const BenchAxes& axes,
                  const Masters& masters, BenchEvents& events, Ring<OutgoingReply>& queue,
                  Counters& counters);
 
-  /// @return whether the request was sent to this run of the bench, or to any.
+  /// @return whether the request is addressed to this incarnation of the bench, or to any.
   [[nodiscard]] bool is_of_this_run(const msg::Request& request) const noexcept;
 
-  /// @return the number of the first axis that the request names and the bench does not have.
+  /// @return the number of the first axis in the request that the bench does not have.
   [[nodiscard]] std::optional<std::uint16_t> unknown_axis(const msg::Request& request) const;
 
-  /// @return whether `open` has a place for an answer.
+  /// @return whether `open` has room for an answer.
   [[nodiscard]] bool has_room() const noexcept { return queue_.size() < queue_.capacity(); }
 
-  /// @return where the next answer goes, or nullptr when the queue is full, which is counted.
+  /// @return the place of the next answer, or nullptr if the queue is full; the overflow is
+  /// counted.
   [[nodiscard]] OutgoingReply* open();
 
   /// Fills the head of an answer, without results.
   void begin(const Arrival& arrival, OutgoingReply& outgoing) const;
 
-  /// What the objects of an answer are.
+  /// The meaning of the objects of an answer.
   enum class Objects : std::uint8_t {
-    results,  ///< what came of those that the request names
-    history,  ///< what has happened before: a refusal among them is none of this request
+    results,  ///< results for the objects in the request
+    history,  ///< past events: a refusal among them does not concern this request
   };
 
   /// Completes an answer, counts and keeps it, and reports a refusal.
   void finish(std::uint64_t session, Reason reason, msg::Reply& reply,
               Objects objects = Objects::results);
 
-  /// Sends the answer that `open` gave the place of.
+  /// Sends the answer in the place that `open` returned.
   void push() noexcept { queue_.push(); }
 
   [[nodiscard]] Fate fate_of(const msg::Request& request) const noexcept;
 
-  /// The request, whose fate was unknown, has arrived.
+  /// Notes the arrival of a request whose fate was unknown.
   void take(const msg::Request& request);
 
-  /// Answers a request that has been answered before.
+  /// Resends the answer to a request whose fate is `answered`.
   void repeat(const Arrival& arrival);
 
-  /// Adds the status of the axes that the request names, all of which exist.
+  /// Adds the status of the axes in the request, all of which must exist.
   void add_statuses(const msg::Request& request, OutgoingReply& outgoing) const;
 
  private:

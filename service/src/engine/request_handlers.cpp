@@ -17,7 +17,7 @@ Part& part_of(Function Part::* /*function*/, const RequestParts& parts) {
   return std::get<Part&>(parts);
 }
 
-/// The handler of a kind that a function of one of the parts carries out.
+/// The handler of a kind that is carried out by a member function of one of the parts.
 template <auto kFunction>
 Reason pass_on(const RequestParts& parts, const msg::Request& request, msg::Reply& reply) {
   return (part_of(kFunction, parts).*kFunction)(request, reply);
@@ -35,10 +35,10 @@ Reason power_cycle(const RequestParts& parts, const msg::Request& request, msg::
   return msg::Reason::none;
 }
 
-/// Any session may: time belongs to all.
+/// Any session may set the rate, because time is shared by all.
 Reason set_rate(const RequestParts& parts, const msg::Request& request, msg::Reply& /*reply*/) {
   const double rate = request.rate;
-  if (!(rate == 0.0 || (rate >= kLowestRate && rate <= kHighestRate))) {  // NaN too
+  if (!(rate == 0.0 || (rate >= kLowestRate && rate <= kHighestRate))) {  // refuses NaN, too
     return msg::Reason::out_of_range;
   }
   auto& clock = std::get<BenchClock&>(parts);

@@ -18,12 +18,13 @@
 
 namespace vdrive::service {
 
-/// What handlers of requests work with, each found by its type.
+/// The parts of the engine that request handlers use, each found by its type.
 using RequestParts = std::tuple<BenchClock&, BenchEvents&, BenchAxes&, FrameSchedule&, Masters&,
                                 MasterWatch&, StoreRequests&, AxisRequests&, Snapshots&, Windows&>;
 
-/// Carries out a request that the row of its kind allows (vdrive/wire/request_kinds.hpp).
-/// @return REASON_NONE or why the request is refused.
+/// Carries out a request that passed the checks of the row of its kind
+/// (vdrive/wire/request_kinds.hpp).
+/// @return REASON_NONE, or why the request is refused
 using RequestHandler = Reason (*)(const RequestParts& parts, const msg::Request& request,
                                   msg::Reply& reply);
 

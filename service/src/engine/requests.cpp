@@ -21,7 +21,7 @@ Reason check_clock(wire::RequestClock needed, const BenchClock& clock) {
   }
 }
 
-/// @return whether what is asked for has happened already.
+/// @return whether requests of this kind ask about the past.
 bool is_about_history(msg::RequestKind kind) {
   return kind == msg::RequestKind::read_writes || kind == msg::RequestKind::next_window ||
          kind == msg::RequestKind::read_window;
@@ -39,7 +39,7 @@ Requests::Requests(const RequestParts& parts, const BenchBrake& brake, RequestAn
 
 void Requests::handle(const Arrival& arrival) {
   OutgoingReply* const outgoing = answers_.open();
-  if (outgoing == nullptr) return;  // nothing is done that could not be answered
+  if (outgoing == nullptr) return;  // what cannot be answered is not carried out
   if (answer_repeat(arrival)) return;
   answers_.begin(arrival, *outgoing);
   const msg::Request& request = arrival.request;
@@ -59,9 +59,9 @@ void Requests::handle(const Arrival& arrival) {
 
 bool Requests::answer_repeat(const Arrival& arrival) {
   const auto& request = arrival.request;
-  if (request.client == 0 || !answers_.is_of_this_run(request)) return false;  // it is refused
+  if (request.client == 0 || !answers_.is_of_this_run(request)) return false;  // check() refuses it
   const Fate fate = answers_.fate_of(request);
-  // A page is not kept. It is the same when it is read again.
+  // Pages are not kept; reading one again gives the same page.
   if (fate == Fate::answered && request.kind == msg::RequestKind::read_window) return false;
   if (fate == Fate::unknown) {
     answers_.take(request);
@@ -100,7 +100,7 @@ Reason Requests::carry_out(const msg::Request& request, msg::Reply& reply) {
       std::get<BenchAxes&>(parts_),
       {.means = JournalAuthor::Means::request, .session = request.session});
   const RequestHandler handler = handler_of(request.kind);
-  // Whoever runs the ticks passes the others to StepRequests.
+  // In lock-step, requests without a handler go to StepRequests and never get here.
   return handler == nullptr ? msg::Reason::wrong_clock_mode : handler(parts_, request, reply);
 }
 

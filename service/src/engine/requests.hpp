@@ -13,23 +13,23 @@
 
 namespace vdrive::service {
 
-/// The requests that arrive: checks each, has it carried out by the handler of its kind, and
-/// answers it once, however often it arrives.
+/// Checks each arriving request, has the handler of its kind carry it out once, however often it
+/// arrives, and answers it.
 class Requests {
  public:
   Requests(const RequestParts& parts, const BenchBrake& brake, RequestAnswers& answers);
 
   void handle(const Arrival& arrival);
 
-  /// Notes a request, and answers it again when it has arrived before and is not in progress.
-  /// @return whether it has arrived before: it needs no further work.
+  /// Notes a request. If it has arrived before and is not in progress, resends its answer.
+  /// @return whether it has arrived before and so needs no further work
   [[nodiscard]] bool answer_repeat(const Arrival& arrival);
 
-  /// Checks what every request needs. @return REASON_NONE or why it is refused.
+  /// Makes the checks that apply to every request. @return REASON_NONE, or why it is refused
   [[nodiscard]] Reason check(const Arrival& arrival) const;
 
-  /// Checks, after that, what the row of its kind needs: that there is one, the mode of the clock,
-  /// a session. @return REASON_NONE or why it is refused.
+  /// Then makes the checks of the row of its kind: that there is one, the clock mode, a session.
+  /// @return REASON_NONE, or why it is refused
   [[nodiscard]] Reason check_kind(const msg::Request& request) const;
 
  private:

@@ -18,28 +18,29 @@
 
 namespace vdrive::service {
 
-/// Saved states of all axes, taken and restored by request: the state goes back, time does not.
-/// Each function returns REASON_NONE or why the request is refused.
+/// Saved states of all axes, taken and restored by request. A restore sets back the state, but not
+/// the time. Each function returns REASON_NONE, or why the request is refused.
 class Snapshots {
  public:
-  /// Each holds the state of all axes: a client that never drops one has an end.
+  /// A limit is needed because each snapshot holds the state of all axes, and a client might never
+  /// drop one.
   static constexpr std::size_t kMost = msg::MAX_SNAPSHOTS;
 
   Snapshots(BenchAxes& axes, const BenchClock& clock, const Masters& masters,
             FrameSchedule& schedule, BenchOutput& output, BenchEvents& events, Counters& counters);
 
-  /// Allocates, which only this request may: time stands, and no tick is due.
+  /// Allocates. Only this request may, because time stands still and no tick is due.
   [[nodiscard]] Reason take(const msg::Request& request, msg::Reply& reply);
   [[nodiscard]] Reason restore(const msg::Request& request, msg::Reply& reply);
   [[nodiscard]] Reason drop(const msg::Request& request, msg::Reply& reply);
 
-  /// Names the first kept snapshot after that of the request, and the tick in which it was taken.
+  /// Returns the first kept snapshot after the one in the request, and the tick it was taken in.
   [[nodiscard]] Reason show_next(const msg::Request& request, msg::Reply& reply) const;
 
  private:
   struct Kept {
     std::uint64_t number = 0;
-    std::uint64_t tick = 0;  ///< in which it was taken
+    std::uint64_t tick = 0;  ///< when it was taken
     std::shared_ptr<const AxisBank::Snapshot> state;
   };
 

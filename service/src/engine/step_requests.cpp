@@ -29,7 +29,7 @@ bool StepRequests::handle(Arrival& arrival, Time now) {
   Reason reason = check(arrival);
   if (kind == msg::RequestKind::step) {
     if (reason == msg::Reason::none) reason = keep(arrival, now);
-    if (reason == msg::Reason::none) return true;  // it is answered later
+    if (reason == msg::Reason::none) return true;  // answer_due() answers it
   } else {
     if (reason == msg::Reason::none) reason = change_steppers(arrival, now);
     masters_.note_message(session);
@@ -48,7 +48,7 @@ Reason StepRequests::check(const Arrival& arrival) const {
   return msg::Reason::none;
 }
 
-/// A step of no ticks only observes: beside steppers every session may request it.
+/// A step of 0 ticks only observes, so every session may request it even while there are steppers.
 Reason StepRequests::keep(Arrival& arrival, Time now) {
   const bool is_alone = steppers_.is_open();
   const bool is_stepper = steppers_.find(arrival.request.session) != nullptr;
@@ -104,7 +104,7 @@ void StepRequests::part_with(std::uint64_t session, Parting parting, Time now) {
 }
 
 std::uint64_t StepRequests::ticks_to_run(Time now) {
-  if (waiting_.empty()) return 0;  // a grant comes with a step
+  if (waiting_.empty()) return 0;  // only steps grant ticks
   grant_arrived(now);
   const std::uint64_t tick = clock_.tick();
   const Stepper* const slowest = steppers_.slowest();
@@ -117,8 +117,8 @@ std::uint64_t StepRequests::ticks_to_run(Time now) {
   return limit - tick;
 }
 
-/// A step grants its ticks once the command frames that were sent before it are here: they come on
-/// another topic and may be behind it.
+/// A step grants its ticks once the command frames that were sent before it have arrived: they use
+/// another topic and may arrive after it.
 void StepRequests::grant_arrived(Time now) {
   for (WaitingStep& waiting : waiting_) {
     const msg::Request& request = waiting.arrival.request;
@@ -143,7 +143,7 @@ void StepRequests::grant(WaitingStep& waiting, Time now) {
     steppers_.grant(*stepper, request.ticks, now);
     waiting.aim = stepper->granted;
     show_steppers();
-  } else if (waiting.is_of_stepper) {  // it was one when it sent the request
+  } else if (waiting.is_of_stepper) {  // it was a stepper when it sent the request
     waiting.aim = clock_.tick() + 1;
   }
 }
@@ -172,7 +172,7 @@ bool StepRequests::answer_if_due(const WaitingStep& waiting, Time now) {
     answer(waiting.arrival, msg::Reason::none);
     return true;
   }
-  if (waiting.is_alone) return false;  // its ticks wait for nobody
+  if (waiting.is_alone) return false;  // its ticks do not depend on others
   if (waiting.is_of_stepper && steppers_.find(waiting.arrival.request.session) == nullptr) {
     answer(waiting.arrival, msg::Reason::not_a_stepper);
     return true;

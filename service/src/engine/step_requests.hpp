@@ -23,21 +23,22 @@
 
 namespace vdrive::service {
 
-/// What the network knows of the participant that sent a request.
+/// Whether the participant that sent a request is on the network.
 enum class ReaderState : std::uint8_t {
-  unknown,  ///< not seen yet
+  unknown,  ///< not discovered yet
   matched,  ///< it reads replies
-  gone,     ///< it read replies and does so no more
+  gone,     ///< it used to read replies and has left
 };
 
-/// The requests that let the time of a lock-step bench pass: `step`, and joining and leaving its
-/// clock. Takes each from its arrival to its answer; whoever runs the ticks asks `ticks_to_run` how
-/// many there may be.
+/// The requests that let time pass on a lock-step bench: `step`, and joining and leaving its clock.
+/// Handles each from its arrival to its answer. The thread that runs the ticks asks `ticks_to_run`
+/// how many may pass.
 ///
 /// While no session has joined the clock, a step waits for the command frames that were sent before
-/// it, and then lets its ticks pass; requests that came after it act after it. With steppers, time
-/// passes as far as all of them grant it, once as many have joined as are awaited, and a step is
-/// answered in the tick that its session waits for; other requests are carried out while it waits.
+/// it, and then lets its ticks pass; later requests are carried out after it. With steppers, time
+/// passes as far as all of them have granted it, once the awaited number of them has joined. A step
+/// is answered in the tick that its session waits for; other requests are carried out in the
+/// meantime.
 ///
 /// Wall time is an argument. Not thread-safe.
 class StepRequests {
@@ -46,10 +47,12 @@ class StepRequests {
 
   static constexpr std::uint64_t kMaxTicksPerStep = 1'000'000;
 
-  /// A step is refused with REASON_MISSING_COMMANDS when its frames have not come after this time.
+  /// If the frames of a step have not arrived in this time, it is refused with
+  /// REASON_MISSING_COMMANDS.
   static constexpr std::chrono::seconds kLongestWaitForCommands{1};
 
-  /// ... and with REASON_MISSING_STEPPER when another stepper has not granted its ticks.
+  /// If another stepper has not granted the ticks of a step in this time, the step is refused with
+  /// REASON_MISSING_STEPPER.
   static constexpr std::chrono::seconds kLongestWaitForSteppers{1};
 
   static constexpr std::size_t kMostWaiting = 1'024;
@@ -58,23 +61,23 @@ class StepRequests {
                const CommandFrames& frames, Masters& masters, Requests& requests,
                RequestAnswers& answers, BenchEvents& events, Counters& counters);
 
-  /// @return whether requests of this kind let time pass, or say who does.
+  /// @return whether requests of this kind let time pass, or join or leave the clock.
   [[nodiscard]] static constexpr bool is_for(msg::RequestKind kind) noexcept {
     const wire::RequestKindRow* const row = wire::request_kind_row(kind);
     return row != nullptr && row->caller == wire::RequestCaller::stepper;
   }
 
-  /// @return whether the arrival is such a request.
+  /// @return whether the arrival is a request of such a kind.
   [[nodiscard]] static bool is_for(const Arrival& arrival) noexcept {
     return arrival.kind == Arrival::Kind::request && is_for(arrival.request.kind);
   }
 
-  /// Answers the request, or keeps a step until `answer_due` answers it; then its content is taken.
-  /// The queue of answers needs room.
-  /// @return false when it had arrived before.
+  /// Answers the request, or takes the content of a step and keeps it until `answer_due` answers
+  /// it. Precondition: the queue of answers has room.
+  /// @return false if it has arrived before
   bool handle(Arrival& arrival, Time now);
 
-  /// A message of the session, stepper or not, arrived.
+  /// Notes that a message of the session, stepper or not, has arrived.
   void note_message(std::uint64_t session, Time now) noexcept {
     steppers_.note_message(session, now);
   }
@@ -84,33 +87,33 @@ class StepRequests {
     return !waiting_.empty() && waiting_.back().is_alone;
   }
 
-  /// @return how many ticks may pass until a step is to be answered.
+  /// @return how many ticks may pass before the next step has to be answered.
   [[nodiscard]] std::uint64_t ticks_to_run(Time now);
 
-  /// Before each of these ticks: the sessions that step show that they are alive.
+  /// Call before each of these ticks: notes that the sessions that step are alive.
   void begin_tick();
 
-  /// Answers each step whose tick is reached, or that has waited too long.
-  /// @return false when the queue of answers is full and steps may be left: empty it, call again.
+  /// Answers each step whose tick is reached or that has waited too long.
+  /// @return false if the queue of answers is full and steps may be left: empty it and call again
   bool answer_due(Time now);
 
-  /// Takes steppers off the clock that are not there any more: a program that died must not stop
-  /// the time of the others for good.
+  /// Removes absent steppers from the clock: a program that died must not stop the time of the
+  /// others for good.
   void remove_absent(Time now, const std::function<ReaderState(const wire::Source&)>& reader_of);
 
-  /// The bench ends: no tick will answer the steps that wait.
-  /// @return false as `answer_due`.
+  /// Refuses the waiting steps when the bench ends, because no tick will answer them.
+  /// @return as answer_due()
   bool refuse_waiting();
 
  private:
-  /// A step: first it waits for its command frames, then, granted, for time.
+  /// A step. It first waits for its command frames; then it is granted and waits for its tick.
   struct WaitingStep {
     Arrival arrival;
     Time deadline;
     bool is_alone = false;       ///< it arrived while there was no stepper
-    bool is_granted = false;     ///< its command frames are here
-    bool is_of_stepper = false;  ///< holds when `is_granted`
-    std::uint64_t aim = 0;       ///< tick that it is answered in; holds when `is_granted`
+    bool is_granted = false;     ///< its command frames have arrived
+    bool is_of_stepper = false;  ///< valid if `is_granted`
+    std::uint64_t aim = 0;       ///< the tick it is answered in; valid if `is_granted`
   };
 
   [[nodiscard]] Reason check(const Arrival& arrival) const;

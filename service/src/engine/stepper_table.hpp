@@ -20,52 +20,57 @@ struct Stepper {
   std::uint64_t session = 0;
   wire::Source source{};
   std::uint64_t granted = 0;   ///< last tick that it lets pass
-  Time last_message{};         ///< when something arrived from it last
+  Time last_message{};         ///< when its last message arrived
   bool is_waited_for = false;  ///< another stepper has granted more
-  Time waited_for_since{};     ///< holds when `is_waited_for`
+  Time waited_for_since{};     ///< valid if `is_waited_for`
   bool was_matched = false;    ///< its participant has been seen on the network
 };
 
-/// Who lets time pass in lock-step, once somebody has joined the clock: it advances to the smallest
-/// grant. Wall time is an argument. Not thread-safe.
+/// The sessions that joined the clock of a lock-step bench: time advances to the smallest of their
+/// grants. Wall time is an argument. Not thread-safe.
 class StepperTable {
  public:
   using Time = Stepper::Time;
 
-  /// A stepper is silent when others have waited for it and nothing arrived from it for this long.
+  /// A stepper counts as silent if for this long others have waited for it and nothing has arrived
+  /// from it.
   static constexpr std::chrono::seconds kLongestSilence{10};
 
-  /// @param awaited steppers without which time does not begin to pass, 0 to kMaxSteppers
+  /// @param awaited how many steppers must join before time passes, 0 to kMaxSteppers
   explicit StepperTable(std::size_t awaited = 0) noexcept
       : always_awaited_(awaited), awaited_(awaited) {}
 
-  /// Makes the session (not 0) a stepper whose grant is the present tick; a stepper stays as it is.
-  /// @param awaited how many it waits for, 0 to kMaxSteppers: until all have left
-  /// @return false when there is no room.
+  /// Makes the session (not 0) a stepper whose grant is the present tick. Leaves an existing
+  /// stepper unchanged.
+  /// @param awaited how many steppers must join before time passes, 0 to kMaxSteppers; in force
+  /// until
+  ///        all have left
+  /// @return false if there is no room
   [[nodiscard]] bool join(std::uint64_t session, const wire::Source& source, std::uint64_t tick,
                           Time now, std::size_t awaited = 0);
 
-  /// @return whether as many have joined as are awaited: from then on time passes, also when some
-  ///         leave. When all have left it waits for them again.
+  /// @return whether the awaited number of steppers has joined. Time then passes, even if some
+  /// leave.
+  ///         When all have left, they are awaited again.
   [[nodiscard]] bool is_complete() const noexcept { return is_complete_; }
 
   /// @return whether sessions that have not joined may step.
   [[nodiscard]] bool is_open() const noexcept { return steppers_.empty() && always_awaited_ == 0; }
 
-  /// @return false when the session is no stepper.
+  /// @return false if the session is not a stepper.
   bool leave(std::uint64_t session, Time now);
 
   /// @return the stepper, or nullptr.
   [[nodiscard]] Stepper* find(std::uint64_t session) noexcept;
 
-  /// Something arrived from the session, stepper or not.
+  /// Notes that a message of the session, stepper or not, has arrived.
   void note_message(std::uint64_t session, Time now) noexcept;
 
-  /// The stepper lets `ticks` more pass.
+  /// Lets the stepper grant `ticks` more.
   void grant(Stepper& stepper, std::uint64_t ticks, Time now) noexcept;
 
-  /// @return the stepper that granted the fewest ticks, of several the first that joined; nullptr
-  ///         when there is none.
+  /// @return the stepper that granted the fewest ticks, the first to join if there are several;
+  ///         nullptr if there is none.
   [[nodiscard]] const Stepper* slowest() const noexcept;
 
   /// @return a stepper that is silent, or nullptr.
@@ -82,7 +87,7 @@ class StepperTable {
 
   std::vector<Stepper> steppers_;
   std::size_t always_awaited_;
-  std::size_t awaited_;  ///< by the bench or by one of its steppers
+  std::size_t awaited_;  ///< as required by the bench or by one of its steppers
   bool is_complete_ = false;
 };
 

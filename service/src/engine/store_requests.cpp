@@ -17,7 +17,8 @@ using namespace vdrive::literals;
 
 constexpr std::size_t kNoObject = msg::MAX_OBJECTS_PER_REQUEST;
 constexpr std::size_t kMostWaiting = 1'024;
-// A batch of the disk comes back at once: each tick takes a part of it, so that none is late.
+// The orders of a batch are done at the same time; each tick takes a part of them, so that no tick
+// is late.
 constexpr std::size_t kOrdersPerTick = 4;
 
 }  // namespace
@@ -66,7 +67,7 @@ Reason StoreRequests::store_by_write(std::size_t axis, ObjectRow row, std::int64
   return msg::Reason::none;
 }
 
-/// For the request in hand, which has the next free place.
+/// Gives an order for the present request, which will take the next free place.
 void StoreRequests::order(std::size_t axis, bool forget, std::size_t object) {
   StoreOrder* const place = saver_->free_order();
   ensure(place != nullptr && !free_places_.empty(), "the request was checked for room");
@@ -106,10 +107,10 @@ bool StoreRequests::answer() {
   return count > 0;
 }
 
-/// @return whether an order has come back, and its answer has a place.
+/// @return whether an order was done and there was room for its answer.
 bool StoreRequests::answer_order() {
   const StoreOrder* const order = saver_->returned();
-  // The last place is for the step that is being carried out, if there is one.
+  // The last place is reserved for the step that is being carried out, if any.
   if (order == nullptr || queue_.size() + 1 >= queue_.capacity()) return false;
   const std::uint32_t place = order->request;
   ensure(place < waiting_.size() && waiting_[place].orders > 0, "an order comes back once");
@@ -122,7 +123,7 @@ bool StoreRequests::answer_order() {
   return true;
 }
 
-/// From the next power cycle on the axis has what is durable, and not a value more.
+/// Gives the axis exactly the values that are durable, effective from its next power cycle on.
 void StoreRequests::take_order(const StoreOrder& order, Waiting& waiting) {
   if (order.error == 0) {
     counters_.saves.add();

@@ -18,7 +18,7 @@
 
 namespace vdrive::service {
 
-/// Requests that store parameters: gives orders to the saver, and answers each request when its
+/// Requests that store parameters. Gives orders to the saver, and answers each request when its
 /// orders are durable or have failed.
 class StoreRequests {
  public:
@@ -26,43 +26,42 @@ class StoreRequests {
                 RequestAnswers& answers, BenchEvents& events, Ring<OutgoingReply>& queue,
                 Counters& counters);
 
-  /// Before the first request: stores with `saver`, which outlives this object. Without one nothing
-  /// can be stored.
+  /// Stores with `saver`, which outlives this object; without a saver nothing can be stored. Only
+  /// before the first request.
   void store_with(ParameterSaver& saver);
 
-  /// A request is in hand from here on: orders belong to it.
+  /// Begins a request: the following orders belong to it.
   void begin_request() noexcept { ordered_ = 0; }
 
-  /// Stores or restores the axes that the request names.
-  /// @return REASON_NONE or why the request is refused
+  /// Stores or restores the parameters of the axes in the request.
+  /// @return REASON_NONE, or why the request is refused
   [[nodiscard]] Reason store_axes(const msg::Request& request, msg::Reply& reply);
 
   /// Writes 1010h or 1011h.
-  /// @param place of the object in the request
+  /// @param place position of the object in the request
   /// @return REASON_NONE or an abort code
   [[nodiscard]] Reason store_by_write(std::size_t axis, ObjectRow row, std::int64_t value,
                                       std::size_t place);
 
-  /// @return whether the request in hand has given orders, so that its answer waits for them.
+  /// @return whether the present request has given orders, so that its answer has to wait for them.
   [[nodiscard]] bool has_ordered() const noexcept { return ordered_ > 0; }
 
-  /// Keeps the content of `outgoing`, the answer to the request in hand, until its orders come
-  /// back.
+  /// Keeps the content of `outgoing`, the answer to the present request, until its orders are done.
   void wait(std::uint64_t session, Reason reason, OutgoingReply& outgoing);
 
   [[nodiscard]] bool is_waiting(const msg::Request& request) const;
 
   /// Gives the axes the parameters that have become durable, and answers the requests that wait for
-  /// them. @return whether there was anything.
+  /// them. @return whether there was anything to do
   bool answer();
 
  private:
-  /// A request that waits until what it stores is durable.
+  /// A request that waits until its parameters are durable.
   struct Waiting {
     OutgoingReply outgoing;
     std::uint64_t session = 0;
-    Reason reason;           ///< of what has come back
-    std::size_t orders = 0;  ///< on their way; 0 = the place is free
+    Reason reason;           ///< of the orders done so far
+    std::size_t orders = 0;  ///< in progress; 0 = the place is free
   };
 
   void order(std::size_t axis, bool forget, std::size_t object);
@@ -80,7 +79,7 @@ class StoreRequests {
   ParameterSaver* saver_ = nullptr;
   std::vector<Waiting> waiting_;
   std::vector<std::uint32_t> free_places_;  ///< in waiting_
-  std::size_t ordered_ = 0;                 ///< by the request in hand
+  std::size_t ordered_ = 0;                 ///< orders of the present request
 };
 
 }  // namespace vdrive::service

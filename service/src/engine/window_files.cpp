@@ -25,11 +25,11 @@ constexpr std::uint64_t kHighestNumber = std::uint64_t{1} << 62U;  // of a tick 
 constexpr std::uint64_t kMostTicks = 1'000'000;                    // of a segment: 5 s
 constexpr std::uintmax_t kLargestFile = std::uintmax_t{1} << 30U;
 
-/// What stands before the segments.
+/// The header of a file, before the segments.
 struct WindowHead {
   std::uint64_t magic = kWindowMagic;
   std::uint64_t axes = 0;
-  std::uint64_t check = 0;  // of all that follows
+  std::uint64_t check = 0;  // of everything after the header
   std::uint64_t window_size = sizeof(Window);
   std::uint64_t entry_size = sizeof(BoxEntry);
 };
@@ -38,8 +38,8 @@ struct SegmentHead {
   std::uint64_t cause = 0;
   std::uint64_t tick = 0;
   std::uint64_t ticks = 0;
-  std::uint64_t state = 0;    // bytes
-  std::uint64_t entries = 0;  // how many
+  std::uint64_t state = 0;    // size [bytes]
+  std::uint64_t entries = 0;  // count
 };
 
 template <typename Value>
@@ -49,7 +49,7 @@ void put_raw(std::vector<std::byte>& bytes, const Value& value) {
   bytes.insert(bytes.end(), raw.begin(), raw.end());
 }
 
-/// Takes from the front. @return false where too little is left.
+/// Takes a value from the front. @return false if too little is left.
 template <typename Value>
 bool take_raw(std::span<const std::byte>& bytes, Value& value) {
   if (bytes.size() < sizeof(value)) return false;
@@ -78,13 +78,13 @@ std::vector<std::byte> bytes_of_file(const std::filesystem::path& path) {
   return bytes;
 }
 
-/// A segment of a file; its entries are copied, because they stand at any address there.
+/// A segment of a file. Its entries are copied, because they are not aligned in the file.
 struct ReadSegment {
   BlackBox::KeptSegment kept;
   std::vector<BoxEntry> entries;
 };
 
-/// Whether a replay of these entries stays within the axes and the ticks of their segment.
+/// @return whether a replay of these entries stays within the axes and the ticks of their segment.
 bool are_sound(std::span<const BoxEntry> entries, std::uint64_t ticks, std::size_t axes) {
   std::uint64_t counted = 0;
   for (const BoxEntry& entry : entries) {
@@ -138,7 +138,7 @@ void WindowFiles::load(BlackBox& box) {
        entry.increment(error)) {
     if (entry->path().filename().string().starts_with(prefix_)) paths.push_back(entry->path());
   }
-  // The newest first: of two numbers the longer one is greater.
+  // Newest first. Longer names are sorted first, because a number with more digits is greater.
   std::ranges::sort(paths, std::greater{}, [](const std::filesystem::path& path) {
     return std::pair(path.string().size(), path.string());
   });
@@ -217,7 +217,7 @@ void WindowFiles::write(const BlackBox& box, const Window& window) {
   }
   std::filesystem::rename(beside, name);
   std::erase_if(kept_, [&](const Window& kept) {
-    return kept.number == window.number;  // it was opened, and is complete now
+    return kept.number == window.number;  // it was written while open, and is complete now
   });
   while (kept_.size() >= kMostWindows) {
     const std::size_t place = place_to_drop(kept_);

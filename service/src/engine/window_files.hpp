@@ -13,18 +13,21 @@
 
 namespace vdrive::service {
 
-/// The windows of a black box in files of the state directory, `bench-N.window-NUMBER`, so that
-/// they outlast the service: a window is written when it is opened, one tick after its cause, and
-/// again when it is complete. Reads and writes block: not for the thread that ticks.
+/// Keeps the windows of a black box in files of the state directory, `bench-N.window-NUMBER`, so
+/// that they outlast the service. A window is written when it is opened, one tick after its cause,
+/// and again when it is complete. Reads and writes block, so the tick thread must not use this
+/// class.
 class WindowFiles {
  public:
-  /// @param directory that exists; files of another configuration of the axes are left out
+  /// @param directory an existing directory; files of other axis configurations are ignored
   WindowFiles(std::filesystem::path directory, const Configuration& configuration);
 
-  /// Before the first step: gives the box what earlier runs have kept, and asks it to hand over.
+  /// Gives the box the windows of earlier runs, and asks it to hand over new ones. Only before the
+  /// first step.
   void load(BlackBox& box);
 
-  /// Writes what the box hands over, and removes what makes room for it. A failure is logged.
+  /// Writes the windows that the box hands over, and removes old ones to make room. Failures are
+  /// logged.
   void save(BlackBox& box);
 
  private:
@@ -33,9 +36,9 @@ class WindowFiles {
   void write(const BlackBox& box, const Window& window);
 
   std::filesystem::path directory_;
-  std::string prefix_;  ///< of the names of the files
+  std::string prefix_;  ///< of the file names
   std::size_t axis_count_;
-  std::uint64_t axes_;        ///< stands for their configuration and the layout of the state
+  std::uint64_t axes_;        ///< hash of their configuration and the state layout
   std::vector<Window> kept_;  ///< by number
 };
 

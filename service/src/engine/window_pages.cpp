@@ -17,10 +17,11 @@ using wire::WrittenMark;
 using Item = WindowReplay::Item;
 
 constexpr std::size_t kMostObjects = msg::MAX_OBJECTS_PER_REQUEST;
-/// An entry, and before it the marks of its tick, its author or session, and its state.
+/// An entry, preceded by the marks of its tick, its author or session, and its state.
 constexpr std::size_t kItemWithMarks = 4;
 
-/// The values that a state shows: all that somebody may have written before.
+/// @return whether a state shows the object: it shows all objects that may have been written
+/// before.
 constexpr bool is_shown(const ObjectDescription& row) noexcept {
   return row.access == Access::read_write && row.change != Change::memory;
 }
@@ -55,7 +56,7 @@ constexpr WrittenMark state_mark(BlackBox::Segment::Cause cause) noexcept {
 WindowPages::WindowPages(const Configuration& configuration, BlackBox& box)
     : configuration_(configuration), box_(box) {}
 
-/// A window that an earlier run has left in a file may have an invalid state.
+/// Catches exceptions, because a window from a file of an earlier run may have an invalid state.
 void WindowPages::complete(OutgoingReply& outgoing) {
   const auto page = std::move(outgoing.page);
   try {
@@ -91,7 +92,7 @@ void WindowPages::go_to(const WindowPage& page) {
   while (item_ != Item::end && place_ < page.place) advance();
 }
 
-/// To the next item; each value of a state is one, and its statuses are another.
+/// Goes to the next item. Each value of a state counts as one item, and its statuses as another.
 void WindowPages::advance() {
   ++place_;
   if (item_ == Item::state && value_ < kShownRows.size() * page_.axes.size()) {
@@ -102,7 +103,7 @@ void WindowPages::advance() {
   item_ = replay_->next();
 }
 
-/// @return false when the page has no room for it.
+/// @return false if the page has no room for the item.
 bool WindowPages::add_item(OutgoingReply& outgoing) {
   bool has_room = false;
   switch (item_) {
@@ -167,12 +168,12 @@ bool WindowPages::add_entry(msg::Reply& reply) {
   } else if (entry.change == JournalChange::Kind::connection_loss) {
     written.subindex = static_cast<std::uint8_t>(WrittenMark::connection_loss);
   } else if (entry.change != JournalChange::Kind::write) {
-    reply.objects.pop_back();  // what is stored shows after a power cycle alone
+    reply.objects.pop_back();  // stored values only take effect after a power cycle
   }
   return true;
 }
 
-/// Marks of the tick and of the author, where the page has none that hold.
+/// Adds marks of the tick and the author, unless the page has marks that still apply.
 void WindowPages::add_context(msg::Reply& reply) {
   const JournalAuthor& author = replay_->author();
   if (has_context_ && shown_tick_ == replay_->tick() && shown_author_ == author) return;

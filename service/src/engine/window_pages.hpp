@@ -12,14 +12,14 @@
 
 namespace vdrive::service {
 
-/// Computes pages of windows of the black box. The thread that sends replies does it, so that no
-/// tick waits. A page that follows the last one goes on where that one ended.
+/// Computes pages of black box windows, in the thread that sends replies, so that no tick has to
+/// wait. A page that follows the last one continues where that one ended.
 class WindowPages {
  public:
-  /// Both outlive this.
+  /// Both arguments outlive this object.
   WindowPages(const Configuration& configuration, BlackBox& box);
 
-  /// Adds to an answer the page that it waits for.
+  /// Computes the page of an answer and adds it.
   void complete(OutgoingReply& outgoing);
 
  private:
@@ -34,12 +34,12 @@ class WindowPages {
 
   const Configuration& configuration_;
   BlackBox& box_;
-  std::optional<WindowReplay> replay_;  ///< from the first page on
+  std::optional<WindowReplay> replay_;  ///< created for the first page
   WindowPage page_;                     ///< the last one
-  std::uint64_t place_ = 0;             ///< items before this one
+  std::uint64_t place_ = 0;             ///< items before the present one
   WindowReplay::Item item_{};
   std::size_t value_ = 0;         ///< of a state: how many values were shown
-  bool has_context_ = false;      ///< the page has marks that hold
+  bool has_context_ = false;      ///< the page has marks that are in force
   std::uint64_t shown_tick_ = 0;  ///< of these marks
   std::optional<JournalAuthor> shown_author_;
 };

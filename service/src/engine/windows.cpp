@@ -39,7 +39,7 @@ Reason Windows::show_next(const msg::Request& request, msg::Reply& reply) const 
   const Window* const window = box.next_window(request.snapshot);
   if (window == nullptr) return msg::Reason::none;
   reply.snapshot = window->number;
-  // The end of an open one is no tick of the bench yet, so that `tick` cannot have it.
+  // The end of an open window has not happened yet, so `tick` cannot contain it.
   reply.tick = window->last_tick;
   add_mark(WrittenMark::tick, window->first_tick, reply);
   if (box.is_open(*window)) add_mark(WrittenMark::open, box.end_of_open(), reply);
@@ -63,7 +63,7 @@ Reason Windows::read(const msg::Request& request, msg::Reply& reply) {
   BlackBox& box = axes_.black_box();
   if (!box.is_on()) return msg::Reason::no_black_box;
   if (request.axes.empty()) return msg::Reason::nothing_done;
-  // An answer waits for the pages before it.
+  // Limits the wait: an answer is sent after all pages ordered before it.
   constexpr std::uint32_t kMostPages = 4;
   if (box.pages_waiting.load(std::memory_order_relaxed) >= kMostPages) {
     return msg::Reason::queue_full;

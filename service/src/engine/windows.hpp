@@ -18,20 +18,20 @@ class Windows {
  public:
   Windows(BenchAxes& axes, const BenchClock& clock) : axes_(axes), clock_(clock) {}
 
-  /// Freezes what happens around now.
+  /// Freezes a window around the present tick.
   [[nodiscard]] Reason freeze(const msg::Request& request, msg::Reply& reply);
 
-  /// Shows the window after `request.snapshot` and its causes.
+  /// Returns the window after number `request.snapshot`, and its causes.
   [[nodiscard]] Reason show_next(const msg::Request& request, msg::Reply& reply) const;
 
-  /// Orders a page of a window. Where time stands, the window that is still recorded ends now.
+  /// Orders a page of a window. If time stands still, an open window ends now.
   [[nodiscard]] Reason read(const msg::Request& request, msg::Reply& reply);
 
-  /// @return the page that the last request has ordered; nothing = none.
+  /// @return the page that the last request has ordered; nullptr if none.
   [[nodiscard]] std::unique_ptr<WindowPage> take_page() noexcept { return std::move(page_); }
 
  private:
-  /// @return the window of this number, or nullptr.
+  /// @return the window with this number, or nullptr.
   [[nodiscard]] const Window* find(std::uint64_t number) const noexcept;
 
   BenchAxes& axes_;

@@ -12,27 +12,28 @@
 
 namespace vdrive::service {
 
-/// The last writes to the axes of a bench, accepted or refused, and who made them: what
-/// REQUEST_READ_WRITES returns, from the first of these requests on. A bench that nobody asks
-/// spends no memory. Recording takes no lock, allocation or system call.
+/// The last writes to the axes of a bench, accepted or refused, and their authors, as returned by
+/// REQUEST_READ_WRITES. Recording starts with the first of these requests, so a bench that nobody
+/// asks spends no memory. Recording needs no lock, allocation or system call.
 class WriteMemory {
  public:
-  /// The writes of half a second, where 64 axes get a target and a controlword each millisecond.
+  /// Holds half a second of writes if 64 axes each get a target and a controlword every
+  /// millisecond.
   static constexpr std::size_t kMost = 65'536;
 
-  /// @param numbers of the axes, by index; they outlive this object
+  /// @param numbers of the axes, by index; outlives this object
   explicit WriteMemory(const std::vector<std::uint16_t>& numbers);
 
   void put(const JournalEntry& entry, const JournalAuthor& author);
 
-  /// All axes got the state of a snapshot.
+  /// Records that all axes were set to the state of a snapshot.
   void put_restore();
 
-  /// The tick is complete.
+  /// Sets the last completed tick.
   void set_tick(std::uint64_t tick) noexcept { tick_ = tick; }
 
-  /// Answers with the entries after the place `request.snapshot`, as many as fit, and with the
-  /// place of the last of them.
+  /// Answers with as many entries as fit after the place `request.snapshot`, and with the place of
+  /// the last of them.
   [[nodiscard]] Reason read(const msg::Request& request, msg::Reply& reply);
 
  private:
@@ -50,8 +51,8 @@ class WriteMemory {
 
   const std::vector<std::uint16_t>& numbers_;
   LazySlots<Entry> entries_{kMost};
-  bool is_asked_ = false;    ///< somebody has asked
-  std::uint64_t count_ = 0;  ///< of all so far: the place of the last one
+  bool is_asked_ = false;    ///< a client has asked
+  std::uint64_t count_ = 0;  ///< of all entries so far: the place of the last one
   std::uint64_t tick_ = 0;
 };
 
