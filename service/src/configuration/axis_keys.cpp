@@ -67,7 +67,8 @@ void describe_parameter(const std::string& path, std::vector<ConfigurationKey>& 
                             with_unit(kParameter.highest, kParameter) + "."});
 }
 
-/// Their limits depend on the coupling, which may stand below them.
+/// The row has no limits, because they depend on the coupling, which may come later in the file;
+/// check_model() checks them.
 template <std::size_t kPlace>
 constexpr Row<AxisModel> parameter_row() {
   constexpr double kAny = std::numeric_limits<double>::infinity();
@@ -102,7 +103,7 @@ void check_model(const YamlValue& value, NamedAxis& axis) {
 
 // ---- parameters --------------------------------------------------------------------------------
 
-/// @return the row that `key` names: a variable_name, the standard's name or an address.
+/// @return the row that `key` names by variable_name, name of the standard or address.
 ObjectRow row_named(const std::string& key, const YamlValue& value) {
   const auto object = parse_object(key);
   const auto row = object ? find_object(*object) : std::nullopt;
@@ -115,8 +116,8 @@ ObjectRow row_named(const std::string& key, const YamlValue& value) {
                R"(; write its variable_name, "0x6081" or "0x607D:1")");
 }
 
-/// By the rules that the drive has for a write: what it refuses is refused here, with its line.
-/// What it takes on a modulo axis only, `check_direction` judges.
+/// Applies the rules of the drive for a write: refuses the same values, with their line. Values
+/// that are only accepted on a modulo axis are accepted here; `check_direction` checks them.
 std::int64_t read_object_value(const YamlValue& value, ObjectRow row) {
   const ObjectDescription& object = describe(row);
   if (is_identity(object.address)) {
@@ -133,13 +134,13 @@ std::int64_t read_object_value(const YamlValue& value, ObjectRow row) {
   return in_range;
 }
 
-/// A value of `parameters`, and where it stands.
+/// A value of `parameters` and its place in the file.
 struct PlacedValue {
   std::int64_t value;
   YamlValue place;
 };
 
-/// The drive takes every value of each limit, and has none while they are in the wrong order.
+/// Refuses limits in the wrong order: the drive would accept them, but then have no limits.
 void check_software_limits(const std::map<ObjectAddress, PlacedValue>& values, const Unit& unit) {
   const auto lower = values.find(kObjectRows["user_position_lower_limit"_object].address);
   const auto upper = values.find(kObjectRows["user_position_upper_limit"_object].address);
@@ -149,7 +150,7 @@ void check_software_limits(const std::map<ObjectAddress, PlacedValue>& values, c
                              quantity_text(upper->second.value, Dimension::position, unit));
 }
 
-/// Bits 6 and 7 of 60F2h need a range, and the drive takes them once it has one.
+/// Refuses bits 6 and 7 of 60F2h without a position range (607Bh), as the drive does.
 void check_direction(const std::map<ObjectAddress, PlacedValue>& values) {
   const ObjectRow option = "positioning_option_code"_object;
   const auto value = values.find(describe(option).address);
@@ -166,7 +167,8 @@ void check_direction(const std::map<ObjectAddress, PlacedValue>& values) {
       "max_position_range_limit (607Bh:2)");
 }
 
-/// The range makes the modulo axis that takes bits 6 and 7 of 60F2h: it is written first.
+/// Moves the range (607Bh) to the front: it makes the modulo axis, which accepts bits 6 and 7 of
+/// 60F2h.
 void put_range_first(std::vector<InitialValue>& parameters) {
   constexpr std::uint16_t kRange = kObjectRows["min_position_range_limit"_object].address.index;
   const auto is_of_range = [](const InitialValue& parameter) {
@@ -179,14 +181,14 @@ void put_range_first(std::vector<InitialValue>& parameters) {
   parameters = std::move(ordered);
 }
 
-/// What a write of an object does besides keeping its value; empty = nothing.
+/// @return what a write of an object does apart from keeping its value; empty if nothing.
 std::string_view effect_of(const ObjectDescription& object) {
   if (object.role == Role::command) return "commands the axis";
   if (object.change == Change::memory) return "stores or restores parameters";
   return object.change == Change::history ? "clears the error history" : "";
 }
 
-/// What acts when it is written has no value from power-up on.
+/// Refuses objects that act when they are written: they have no value to set at power-up.
 void check_is_parameter(const ObjectDescription& object, const YamlValue& value) {
   const std::string_view effect = effect_of(object);
   if (effect.empty()) return;
@@ -196,8 +198,8 @@ void check_is_parameter(const ObjectDescription& object, const YamlValue& value)
                "inputs, such as test_load_torque");
 }
 
-/// @return [units of the object] a value that the object takes; a position, a speed, a ramp or a
-///         jerk may have a unit of the axis.
+/// Positions, speeds, ramps and jerks may have a unit of the axis.
+/// @return a value that the object accepts [units of the object]
 std::int64_t read_parameter(const YamlValue& value, ObjectRow row, const Unit& unit) {
   const auto dimension = dimension_of(row);
   if (!dimension) return read_object_value(value, row);
@@ -208,7 +210,7 @@ std::int64_t read_parameter(const YamlValue& value, ObjectRow row, const Unit& u
   return read_user_units(value, *dimension, unit, {object.lower_limit, object.upper_limit, ""});
 }
 
-/// What `mechanics` decides stands there, or is the same in both places.
+/// Refuses a value that differs from the one that follows from `mechanics`.
 void check_against_mechanics(ObjectRow row, std::int64_t value, const YamlValue& place,
                              const Unit& unit, std::span<const InitialValue> decided) {
   const ObjectDescription& object = describe(row);
@@ -218,7 +220,7 @@ void check_against_mechanics(ObjectRow row, std::int64_t value, const YamlValue&
                object_value_text(row, other->value, unit) + " follows");
 }
 
-/// @param axis has its unit and what `mechanics` decides
+/// @param axis already has its unit and the values that follow from `mechanics`
 void read_parameters(const YamlValue& value, NamedAxis& axis) {
   std::vector<InitialValue>& parameters = axis.configuration.parameters;
   const std::vector<InitialValue> decided = parameters;
@@ -242,7 +244,7 @@ void read_parameters(const YamlValue& value, NamedAxis& axis) {
   put_range_first(parameters);
 }
 
-/// @return such as "profile_velocity [VelUU]".
+/// @return for example "profile_velocity [VelUU]".
 std::string comment_on(ObjectRow row) {
   const ObjectDescription& object = describe(row);
   std::string comment(object.variable_name);
@@ -290,7 +292,7 @@ constexpr auto kAxisRows = std::to_array<Row<NamedAxis>>({
                           "Unique, no blanks, no digit first. Default: axis and its number.",
                           {.then = check_axis_name}),
     key<&NamedAxis::unit>("unit", Any{}, {}, {.describe = settings::describe_unit}),
-    // What follows from it is printed.
+    // Not printed itself: the keys that follow from it are.
     {.key = "mechanics", .then = read_mechanics, .describe = describe_mechanics},
     {.key = "initial_position",
      .what = "At the first power-up, {} user units, or with a unit of the axis, such as 25mm.",

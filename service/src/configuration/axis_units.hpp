@@ -12,35 +12,37 @@
 
 namespace vdrive::service {
 
-/// Values of an axis in its user units, as a configuration gives them.
+// Values of an axis in its user units, as a configuration gives them.
 
-/// Ratios of sizes of units that differ from 1 by less are 1: sizes are written in decimals.
+/// Two unit sizes are equal if their ratio differs from 1 by less than this: sizes are written in
+/// decimals.
 inline constexpr double kSameSize = 1.0e-6;
 
-/// @return [UU] a whole number of user units, or a value with a unit of the axis, rounded to the
-///         nearest: 4096, 25mm, 250mm/s.
+/// Reads a whole number of user units, or a value with a unit of the axis, such as 4096, 25mm or
+/// 250mm/s.
+/// @return [UU], rounded to the nearest whole number
 /// @throws ConfigurationError for anything else, a unit that the axis does not have, and a value
-///         outside the limits.
+///         outside the limits
 [[nodiscard]] std::int64_t read_user_units(const settings::YamlValue& value, Dimension dimension,
                                            const Unit& unit, const settings::IntegerLimits& limits);
 
-/// @return the value that the configuration gives to an object, the last one if there are several.
+/// @return the value that the configuration gives an object, the last one if there are several.
 [[nodiscard]] std::optional<std::int64_t> given_value(const AxisConfiguration& axis, ObjectRow row);
 
-/// @return the value that an object has from power-up on.
+/// @return the value of an object at power-up.
 [[nodiscard]] std::int64_t value_at_start(const AxisConfiguration& axis, ObjectRow row);
 
-/// @return turns of the load for one of the motor: 3576h over 3577h.
+/// @return turns of the load per turn of the motor: 3576h over 3577h.
 [[nodiscard]] double gear_ratio_of(const AxisConfiguration& axis);
 
-/// @return [UU] of a revolution of the load. 4096 are a revolution of the shaft whose encoder 6064h
-///         reads: with one encoder the motor's, which the gear divides.
+/// @return user units per revolution of the load [UU]. 4096 UU are one revolution of the shaft
+///         whose encoder 6064h reads; with a single encoder that is the motor's, before the gear.
 [[nodiscard]] double user_units_a_load_turn(const AxisConfiguration& axis);
 
 /// @return the highest velocity of 6064h that 6080h permits [UU/s].
 [[nodiscard]] double highest_motor_velocity(const AxisConfiguration& axis);
 
-/// @return a number with as many digits as people read, such as "16.6667".
+/// @return a number with six significant digits, for display, such as "16.6667".
 [[nodiscard]] std::string six_digits(double value);
 
 }  // namespace vdrive::service

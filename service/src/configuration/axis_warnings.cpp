@@ -20,13 +20,13 @@ namespace {
 using namespace vdrive::literals;
 using settings::YamlValue;
 
-/// @return the value of a key; nullptr = the file does not have it.
+/// @return the value of a key; nullptr if the file does not have it.
 const YamlValue* entry_of(const AxisEntries& entries, const std::string& key) {
   const auto entry = entries.find(key);
   return entry == entries.end() ? nullptr : &entry->second;
 }
 
-/// @return the value that `parameters` gives to an object, where it does.
+/// @return the value that `parameters` gives an object, if any.
 std::optional<YamlValue> parameter_entry(const AxisEntries& entries, ObjectRow row) {
   std::optional<YamlValue> found;
   const YamlValue* const parameters = entry_of(entries, "parameters");
@@ -60,8 +60,8 @@ void warn_of_limits_without_effect(const NamedAxis& axis, const AxisEntries& ent
   }
 }
 
-/// `mechanics` is written in lengths and angles. A number alone is in user units there, too, and
-/// 300 of them are no 300 mm. 0 is the same in every unit.
+/// `mechanics` is written in lengths and angles, but a number without a unit is in user units
+/// there, too: 300 is not 300 mm. 0 is the same in every unit.
 void warn_of_limits_without_unit(const NamedAxis& axis, const AxisEntries& entries,
                                  std::vector<std::string>& warnings) {
   const YamlValue* const mechanics = entry_of(entries, "mechanics");
@@ -80,9 +80,9 @@ void warn_of_limits_without_unit(const NamedAxis& axis, const AxisEntries& entri
   });
 }
 
-/// 6064h has 4096 user units a revolution, whatever `unit` says. With a gear and one encoder a
-/// revolution of the load has others, and either may be meant.
-/// @return what is wrong with a unit of an angle; empty = nothing.
+/// 6064h has 4096 user units per revolution, whatever `unit` says. With a gear and a single encoder
+/// a revolution of the load has a different number of them, and `unit` may mean either.
+/// @return the problem with a unit of an angle; empty if there is none
 std::string contradiction_of_angle(const NamedAxis& axis) {
   const double turn = user_units_a_load_turn(axis.configuration);
   const auto is = [&axis](double size) {
@@ -95,12 +95,12 @@ std::string contradiction_of_angle(const NamedAxis& axis) {
          axis.unit.name + "} instead of unit";
 }
 
-/// Any length can be that of 4096 user units. But who says that a user unit is a micrometre, or
-/// another decimal part of a metre, has chosen it without the lead of the machine.
-/// @return what is hardly meant with a unit of a length; empty = nothing.
+/// 4096 user units may be any length. But if a user unit is a micrometre, or another decimal
+/// fraction of a metre, the unit was probably chosen without regard to the lead of the machine.
+/// @return the likely mistake in a unit of a length; empty if there is none
 std::string contradiction_of_length(const NamedAxis& axis) {
   const auto in_millimetre = user_units_in(axis.unit, "mm");
-  if (!in_millimetre) return {};  // nobody knows how long its unit is
+  if (!in_millimetre) return {};  // the length of its unit is unknown
   const double decimals = std::log10(axis.unit.size);
   if (std::abs(decimals - std::round(decimals)) >= kSameSize) return {};
   const double turn = user_units_a_load_turn(axis.configuration);
@@ -114,7 +114,8 @@ std::string contradiction_of_length(const NamedAxis& axis) {
 void warn_of_unit(const NamedAxis& axis, const AxisEntries& entries,
                   std::vector<std::string>& warnings) {
   const YamlValue* const unit = entry_of(entries, "unit");
-  // The unit that follows from mechanics is right; one beside it is the same, or an error.
+  // The unit that follows from mechanics is right, and a different `unit` has been refused as an
+  // error.
   if (unit == nullptr || entries.contains("mechanics")) return;
   const bool is_angle = axis.unit.kind == UnitKind::rotary;
   const std::string finding =
@@ -122,8 +123,8 @@ void warn_of_unit(const NamedAxis& axis, const AxisEntries& entries,
   if (!finding.empty()) warn_at(*unit, axis, finding, warnings);
 }
 
-/// @return [UU/s] the highest velocity that 6080h permits, in whole user units as the drive has it;
-///         no more than 607Fh can have.
+/// @return the highest velocity that 6080h permits [UU/s], in whole user units as in the drive, and
+///         at most the upper limit of 607Fh.
 std::int64_t motor_limit_of(const NamedAxis& axis) {
   const auto most = static_cast<double>(kObjectRows["app_speed_limit"_object].upper_limit);
   return static_cast<std::int64_t>(
@@ -146,7 +147,7 @@ void warn_of_speed_limit(const NamedAxis& axis, const AxisEntries& entries,
           warnings);
 }
 
-/// The manual: 6081h keeps any value, and the motion is cut to 607Fh and 6080h.
+/// According to the manual, 6081h keeps any value, and the motion is limited to 607Fh and 6080h.
 void warn_of_profile_velocity(const NamedAxis& axis, const AxisEntries& entries,
                               std::vector<std::string>& warnings) {
   const auto velocity = given_value(axis.configuration, "profile_velocity"_object);

@@ -20,12 +20,12 @@ void check_range(const char* what, double value, double lowest, double highest, 
   }
 }
 
-/// Threads are for programs of this host that need no credentials: what others send can end the
-/// wire.
+/// Threads only if all programs are on this host and need no credentials: others could send data
+/// that ends the wire.
 WireForm default_wire_form(const Configuration& configuration) noexcept {
   const wire::NetworkSettings& network = configuration.network;
   if (network.shared_memory) return WireForm::thread;  // the process form must not open files
-  // Peers and discovery servers are hosts to send to; who can send here depends on the interfaces.
+  // Peers and discovery servers are hosts to send to; the interfaces decide who can send to us.
   const bool is_local = std::ranges::all_of(network.interfaces, &wire::is_loopback);
   const bool needs_process =
       configuration.clock == ClockMode::realtime || !network.security.empty() || !is_local;

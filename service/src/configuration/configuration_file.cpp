@@ -15,7 +15,7 @@
 namespace vdrive::service {
 namespace {
 
-/// The bank knows rules that no single value shows: it tries each axis alone.
+/// Tries each axis in a bank of its own, because the bank checks rules that involve several values.
 void try_axes(const ParsedAxes& parsed, std::chrono::microseconds period) {
   settings::Mistakes mistakes;
   for (const auto& axis : parsed.axes) {
@@ -37,7 +37,7 @@ Configuration read_configuration(const YamlValue& root) {
   mistakes.collect([&] {
     settings::read_section(root, configuration_rows(), parsed);
   });
-  // There are axes where their section has no mistake, whatever another section has.
+  // Axes were read if their own section has no mistake, even if another section has one.
   mistakes.collect([&] {
     try_axes(parsed.axes, parsed.configuration.period);
   });

@@ -11,8 +11,7 @@
 namespace vdrive::service {
 namespace {
 
-/// @return what the configuration that --print-config prints has at `path`; nothing where it has no
-///         such key.
+/// @return the value at `path` in the output of --print-config; empty if it has no such key.
 std::string default_of(const YAML::Node& printed, std::string_view path) {
   YAML::Node node = YAML::Clone(printed);
   while (!path.empty()) {

@@ -60,7 +60,7 @@ bool has_metrics(const Configuration& configuration) {
   return configuration.metrics_port.has_value();
 }
 
-/// Here and not in the rows of the keys: the mode may stand below them.
+/// Checked here and not in the rows of the keys, because the mode may come after them in the file.
 void refuse_keys_of_other_modes(const YamlValue& clock, ParsedConfiguration& parsed) {
   clock.for_each_entry({}, [&](const std::string& key, const YamlValue& value) {
     if (const auto problem = problem_of_clock(key, parsed.configuration)) {
@@ -84,23 +84,23 @@ void check_network(const YamlValue& value, ParsedConfiguration& parsed) {
   }
 }
 
-/// Keys of an axis that are read last, in this order: what `mechanics` gives depends on the model,
-/// and the others may be written in the unit that follows from it.
+/// Keys of an axis that are read last, in this order: `mechanics` depends on the model, and the
+/// others may use the unit that follows from it.
 constexpr std::array<std::string_view, 3> kLastKeys{"mechanics", "initial_position", "parameters"};
 
 bool is_read_last(std::string_view key) {
   return std::ranges::find(kLastKeys, key) != kLastKeys.end();
 }
 
-/// What is written in a unit is not judged by a wrong one. From the gear of the model it follows
-/// with the mechanics only.
-/// @param wrong keys of the axis whose values are refused
+/// Values with a unit are not checked if the unit is wrong, to avoid misleading errors. With
+/// mechanics the unit also depends on the model.
+/// @param wrong keys of the axis whose values were refused
 bool is_unit_known(const std::set<std::string>& wrong, bool has_mechanics) {
   return !wrong.contains("unit") && !wrong.contains("mechanics") &&
          !(has_mechanics && wrong.contains("model"));
 }
 
-/// `mechanics` decides the unit of its axis.
+/// Refuses a unit that differs from the one that follows from `mechanics`.
 void check_unit(const YamlValue& place, const Unit& written, const Unit& unit) {
   if (written == unit) return;
   place.refuse("contradicts mechanics, from which {kind: " + std::string(to_string(unit.kind)) +

@@ -12,26 +12,26 @@ namespace vdrive::service {
 
 using settings::YamlValue;
 
-/// The axes of a file, and where they stand, to name the place when the bank refuses one.
+/// The axes of a file, and their places in it, for the message when the bank refuses one.
 struct ParsedAxes {
   std::vector<NamedAxis> axes;
   std::map<std::uint16_t, YamlValue> places;  ///< by axis number
 };
 
-/// What a file says, before the axes are tried.
+/// The content of a file, before the bank has tried the axes.
 struct ParsedConfiguration {
   Configuration configuration;
-  ParsedAxes axes;  ///< empty = those of `configuration`
+  ParsedAxes axes;  ///< empty = use the axes of `configuration`
 };
 
-/// The keys of a configuration, and of the sections that they begin: bench, clock, status,
-/// watchdog, wire, metrics, network, axes.
+/// @return the top-level keys of a configuration: bench, clock, status, watchdog, wire, black_box,
+///         metrics, network, axes, each with the keys of its section.
 [[nodiscard]] std::span<const settings::Row<ParsedConfiguration>> configuration_rows() noexcept;
 
-/// Every key of an element of `axes`.
+/// @return all keys of an element of `axes`.
 [[nodiscard]] std::span<const settings::Row<NamedAxis>> axis_rows() noexcept;
 
-/// @throws ConfigurationError when a name does not have 1 to 64 bytes, or has a control character
+/// @throws ConfigurationError if a name does not have 1 to 64 bytes, or has a control character
 void check_name(const YamlValue& value, const std::string& name);
 
 }  // namespace vdrive::service

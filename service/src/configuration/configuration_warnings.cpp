@@ -17,13 +17,13 @@ namespace {
 
 using settings::YamlValue;
 
-/// An oscillation that lasts longer is seen as ringing [s].
+/// An oscillation that lasts longer counts as ringing [s].
 constexpr double kLongestRinging = 0.25;
 
-/// Loops that are slower than this part of what is configured do not do what their author expects.
+/// Warn if a loop reaches less than this fraction of its configured bandwidth.
 constexpr double kLeastBandwidth = 0.5;
 
-/// @return three digits that count, or a whole number.
+/// @return the value with three significant digits, or as a whole number.
 std::string three_digits(double value) {
   constexpr double kLeastWhole = 1'000.0;
   std::ostringstream text;
@@ -39,7 +39,7 @@ void add_warning(std::string& findings, const std::string& finding) {
   findings += (findings.empty() ? "" : "; ") + finding;
 }
 
-/// @return what is wrong; empty = nothing.
+/// @return the problems; empty if there are none.
 std::string findings_of(const LoopReport& report, const AxisModel& model) {
   std::string findings;
   if (std::isinf(report.ringing_time)) {

@@ -9,13 +9,14 @@
 
 namespace vdrive::service {
 
-/// What the author of a valid configuration can hardly want.
+// Warnings about settings that are valid but probably not intended.
 
-/// @return what reading has found in the axes of the file (see axis_warnings), a line each.
+/// @return the warnings found while reading the axes (see axis_warnings), one line each.
 [[nodiscard]] std::vector<std::string> start_warnings(const Configuration& configuration);
 
-/// @return the loads that the servo loops of their axis cannot hold: lines that name file, line and
-///         axis, with numbers. Designs the loops of each axis.
+/// Designs the servo loops of each axis.
+/// @return warnings about loads that the loops cannot control, one line each, with file, line, axis
+///         and numbers
 /// @throws ConfigurationError as load_configuration
 [[nodiscard]] std::vector<std::string> loop_warnings(const std::filesystem::path& file);
 

@@ -32,30 +32,30 @@ using settings::YamlValue;
 constexpr std::int64_t kMostTeeth = 100'000;
 constexpr std::int64_t kMostStarts = 64;
 
-/// A length as it was written: in its own unit.
+/// A length in the unit in which it was written.
 struct Length {
   double value = 0.0;
   std::string unit;  ///< m, cm, mm or um
 };
 
-/// Turns of the motor for turns of the load.
+/// Turns of the motor to turns of the load.
 struct GearTurns {
   std::uint32_t motor = 1;
   std::uint32_t load = 1;
 };
 
-/// What `mechanics` has.
+/// The content of `mechanics`.
 struct Mechanics {
   UnitKind kind = UnitKind::linear;
   std::string unit{};      ///< of the axis
-  double travel = 0.0;     ///< linear: of a turn of the load [unit]
-  std::size_t drives = 0;  ///< how many of screw, belt, rack and rotary_table there are
+  double travel = 0.0;     ///< linear: per turn of the load [unit]
+  std::size_t drives = 0;  ///< how many of screw, belt, rack and rotary_table are given
   GearTurns gear{};
   std::optional<YamlValue> resolution{};
   std::optional<YamlValue> software_limit{};
 };
 
-/// Any length in metres converts to any other.
+/// For checking units of length: a metre converts to all of them.
 const Unit kMetre{.kind = UnitKind::linear, .name = "m", .size = 1.0};
 
 void read_value(const YamlValue& value, const Any& /*rule*/, Length& place) {
@@ -104,7 +104,7 @@ constexpr auto kScrewRows = std::to_array<Row<Screw>>({
     key<&Screw::starts>("starts", IntegerLimits{1, kMostStarts, ""}),
 });
 
-/// A screw moves the load by its pitch, with several starts by several pitches.
+/// A turn of a screw moves the load by its pitch times its starts.
 void take_screw(const YamlValue& value, Mechanics& mechanics) {
   Screw screw;
   read_section(value, kScrewRows, screw);
@@ -123,7 +123,7 @@ constexpr auto kWheelRows = std::to_array<Row<Wheel>>({
     key<&Wheel::pitch>("pitch"),
 });
 
-/// A pulley or a pinion moves the load by its circumference.
+/// A turn of a pulley or a pinion moves the load by its circumference.
 void take_wheel(const YamlValue& value, Mechanics& mechanics) {
   Wheel wheel;
   read_section(value, kWheelRows, wheel);
@@ -177,7 +177,7 @@ void set(AxisConfiguration& axis, ObjectRow row, std::int64_t value) {
   axis.parameters.push_back({describe(row).address, value});
 }
 
-/// @return such as "1.2207 um": of a small part of a length in a smaller unit.
+/// @return the size of a user unit, such as "1.2207 um"; a small length in a smaller unit.
 std::string step_text(const Unit& unit) {
   constexpr double kSmallStep = 0.01;
   const double step = from_user_units(1.0, unit);
@@ -225,7 +225,7 @@ void read_software_limits(const YamlValue& value, NamedAxis& axis) {
   set(axis.configuration, "app_position_limit_switch"_object, 1);
 }
 
-/// Objects whose default is a speed or a ramp of the default axis.
+/// Objects whose default is a speed or a ramp.
 constexpr std::array kSpeedsAndRamps{"profile_velocity"_object,    "profile_acc"_object,
                                      "profile_dec"_object,         "quick_stop_deceleration"_object,
                                      "homing_speed_search"_object, "homing_speed_creep"_object,
@@ -255,7 +255,7 @@ std::string limits_text(const NamedAxis& axis) {
   return text(lower) + " to " + text(upper);
 }
 
-/// @return the facts of an axis, without its number.
+/// @return the values of an axis, without its number.
 Line line_of(const NamedAxis& axis) {
   const AxisConfiguration& configuration = axis.configuration;
   const double highest =
@@ -272,7 +272,8 @@ Line line_of(const NamedAxis& axis) {
           limits_text(axis)};
 }
 
-/// Adds an axis to "1-3", or begins a new part: "1-3, 5".
+/// Adds an axis to a list of numbers: extends its last range ("1-3") or begins a new one ("1-3,
+/// 5").
 void add_number(std::string& numbers, std::uint16_t last, std::uint16_t number) {
   const std::string text = std::to_string(number);
   if (numbers.empty()) {
@@ -335,7 +336,7 @@ void describe_mechanics(const std::string& path, std::vector<settings::Configura
 }
 
 std::vector<std::string> mechanics_table(const Configuration& configuration) {
-  std::vector<std::pair<Line, std::uint16_t>> lines;  // with the last axis of each
+  std::vector<std::pair<Line, std::uint16_t>> lines;  // each with its last axis
   for (const NamedAxis& axis : configuration.axes) {
     const Line facts = line_of(axis);
     auto same = std::ranges::find_if(lines, [&facts](const auto& line) {

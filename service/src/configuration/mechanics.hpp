@@ -9,25 +9,24 @@
 
 namespace vdrive::service {
 
-/// What moves the load of an axis, in people's units: `axes[].mechanics`. Its unit, its gear and
-/// its limits follow from it; the drive keeps its 4096 user units a revolution.
+// `axes[].mechanics`: the machine between motor and load, in physical units. The unit, the gear and
+// the limits of the axis follow from it; the drive keeps its 4096 user units per revolution.
 
-/// Reads `mechanics` of an axis whose `model` is known, before its `parameters`: sets the unit, the
+/// Reads `mechanics` of an axis, after its `model` and before its `parameters`: sets the unit, the
 /// gear (3576h, 3577h) and the software limits (607Dh, 3535h).
-/// @throws ConfigurationError when the mechanics are incomplete or contradict themselves, when a
-///         value is no length or no gear, and when they ask for a finer resolution than that of a
-///         user unit.
+/// @throws ConfigurationError if the mechanics are incomplete or contradict themselves, if a value
+///         is not a length or a gear, or if they require a finer resolution than one user unit
 void read_mechanics(const settings::YamlValue& value, NamedAxis& axis);
 
-/// Gives an axis with mechanics, after its `parameters`, the speeds and ramps that the default axis
-/// has at its motor, where the file gives none; 607Fh follows from 6080h.
+/// After the `parameters` of an axis with mechanics: fills in the speeds and ramps that the file
+/// does not give, with the values that the default axis has at its motor. 607Fh follows from 6080h.
 void complete_speeds(AxisConfiguration& axis);
 
-/// Adds the keys of `mechanics` that stand at `path`.
+/// Adds the keys of `mechanics` at `path`.
 void describe_mechanics(const std::string& path, std::vector<settings::ConfigurationKey>& keys);
 
-/// @return for each axis what a revolution, a user unit and its limits are in its unit: the lines
-///         of a table. Axes with the same facts share a line.
+/// @return the lines of a table that shows a revolution, a user unit and the limits of each axis in
+///         the unit of the axis. Axes with the same values share a line.
 [[nodiscard]] std::vector<std::string> mechanics_table(const Configuration& configuration);
 
 }  // namespace vdrive::service

@@ -6,17 +6,17 @@
 
 namespace vdrive::service {
 
-/// What a bench does when the wall clock was changed.
+/// What a bench does after the wall clock was stepped.
 enum class WallStepPolicy : std::uint8_t {
   steer,  ///< drive time continues without a break and is adjusted, however long that takes
-  jump,   ///< forward, the tick number jumps; backward as steer, since no number comes twice
+  jump,   ///< forward: the tick number jumps; backward: as steer, because no number is used twice
 };
 
 [[nodiscard]] constexpr std::string_view to_string(WallStepPolicy policy) noexcept {
   return policy == WallStepPolicy::steer ? "steer" : "jump";
 }
 
-/// By how much drive time is adjusted to the wall clock at most, as a part of it.
+/// The maximum rate at which drive time is adjusted to the wall clock, as a fraction.
 inline constexpr double kMaxSteering = 500e-6;
 
 }  // namespace vdrive::service
