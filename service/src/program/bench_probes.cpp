@@ -16,7 +16,7 @@ std::string seconds_text(Standstill::Clock::duration time) {
   return std::to_string(std::chrono::duration_cast<std::chrono::seconds>(time).count()) + " s";
 }
 
-/// A bench that starts or ends is alive: both end by themselves.
+/// A bench counts as alive while it starts or ends, because neither can last forever.
 ProbeAnswer alive(const BenchRun& run, std::optional<Standstill>& standstill) {
   const std::string bench = "bench " + std::to_string(run.identity().bench) + " ";
   if (!run.is_announced()) return {.is_good = true, .text = bench + kNotAnnounced};

@@ -8,12 +8,12 @@
 
 namespace vdrive::service {
 
-/// A thread of a bench that has completed nothing for so long is not alive.
+/// A bench is not alive if one of its threads has completed nothing for this long.
 inline constexpr std::chrono::seconds kLongestStandstill{5};
 
-/// @return what a bench answers: it is alive while its threads make progress, and ready while it is
-/// announced and its network runs.
-/// @param run outlives the answer
+/// @return the probes of a bench: it is alive while its threads make progress, and ready while it
+///         is announced and its network runs.
+/// @param run outlives the returned object
 [[nodiscard]] Probes probes_of(const BenchRun& run);
 
 }  // namespace vdrive::service

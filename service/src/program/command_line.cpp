@@ -60,7 +60,7 @@ constexpr int kUsage = 2;
 constexpr int kNumberTaken = 5;
 constexpr std::uint16_t kHighestPort = 65'535;
 constexpr std::chrono::milliseconds kPollInterval{50};
-constexpr std::chrono::milliseconds kBusyPollInterval{5};  ///< while it starts, and while it ends
+constexpr std::chrono::milliseconds kBusyPollInterval{5};  ///< while the service starts or ends
 
 /// The command line requests something that is impossible.
 class BadArguments : public std::runtime_error {
@@ -68,7 +68,7 @@ class BadArguments : public std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
-/// The settings of the command line; they override the file.
+/// The settings from the command line, which override the file.
 struct Arguments {
   std::optional<std::string> config;
   std::optional<std::string> check;
@@ -94,7 +94,7 @@ struct Arguments {
   bool help_config = false;
 };
 
-/// @return such as "1 to 64".
+/// @return for example "1 to 64".
 std::string range(double lowest, double highest) {
   return to_text(lowest) + " to " + to_text(highest);
 }
@@ -114,7 +114,7 @@ CLI::Validator whole_number(std::int64_t lowest, std::int64_t highest) {
           ""};
 }
 
-/// Takes a rate by the grammar of all numbers.
+/// Accepts a rate in the number format of all options.
 std::string take_rate(std::string& text) {
   const auto rate = parse_number(text);
   const bool is_good = rate && (*rate == 0.0 || (*rate >= kLowestRate && *rate <= kHighestRate));
@@ -200,8 +200,8 @@ void declare_program(CLI::App& app, Arguments& arguments) {
                  "and with an interface other than loopback, thread otherwise")
       ->check(one_of({"process", "thread"}))
       ->type_name("FORM");
-  app.add_option("--wire-process", arguments.wire_process)->group("");  // the service starts it so
-  app.add_flag("--without-guard", arguments.without_guard)->group("");  // for tests of what follows
+  app.add_option("--wire-process", arguments.wire_process)->group("");  // used by the spawner
+  app.add_flag("--without-guard", arguments.without_guard)->group("");  // only for tests
   app.add_option("--log-level", arguments.log_level, "What to log on standard error")
       ->check(one_of({"debug", "info", "warn", "error", "off"}))
       ->capture_default_str();
@@ -227,7 +227,7 @@ ClockMode clock_named(const std::string& name) {
 void override(Configuration& configuration, const Arguments& arguments) {
   if (arguments.clock) {
     const ClockMode clock = clock_named(*arguments.clock);
-    if (clock != configuration.clock) {  // what the file says of its own clock goes with it
+    if (clock != configuration.clock) {  // the file's values are meant for its own clock mode
       configuration.rate = Configuration{}.rate;
       configuration.steppers = Configuration{}.steppers;
     }
@@ -260,7 +260,7 @@ void override(Configuration& configuration, const Arguments& arguments) {
   check(configuration);
 }
 
-/// CLI11 takes an empty value for one that was not given, and an empty variable for none.
+/// CLI11 treats an empty value like an option without a value, and an empty variable as unset.
 void refuse_empty_values(const CLI::App& app) {
   for (const CLI::Option* const option : app.get_options()) {
     const auto& values = option->results();
@@ -278,7 +278,7 @@ void refuse_empty_values(const CLI::App& app) {
   }
 }
 
-/// @throws ConfigurationError for the file, BadArguments for what is laid over it
+/// @throws ConfigurationError for the file, BadArguments for the command line
 Configuration effective_configuration(const Arguments& arguments) {
   Configuration configuration =
       arguments.config ? load_configuration(*arguments.config) : demo_configuration();
@@ -298,17 +298,17 @@ sigset_t stop_signals() {
   return signals;
 }
 
-/// Waits for a signal. @return false when none came in that time
+/// Waits for a signal. @return false on timeout
 bool takes_signal(const sigset_t& signals, std::chrono::nanoseconds timeout) {
   const timespec time{.tv_sec = 0, .tv_nsec = timeout.count()};
   return sigtimedwait(&signals, nullptr, &time) >= 0;
 }
 
-/// Reports to the service manager how a service is.
+/// Reports the state of a service to the service manager.
 class Reporter {
  public:
   /// @param service, manager outlive this
-  /// @param description of the service, a line for people
+  /// @param description of the service, one line
   Reporter(Service& service, const ServiceManager& manager, std::string description)
       : service_(service), manager_(manager), description_(std::move(description)) {}
 
@@ -352,7 +352,8 @@ class Reporter {
   std::chrono::steady_clock::time_point next_heartbeat_;
 };
 
-/// Until a signal comes, an older service with the same number, or the network is gone for good.
+/// Reports until a signal arrives, an older service with the same bench number is found, or the
+/// network is gone for good.
 void watch(Service& service, const ServiceManager& manager, const sigset_t& signals,
            const std::string& description) {
   Reporter reporter(service, manager, description);
@@ -362,12 +363,13 @@ void watch(Service& service, const ServiceManager& manager, const sigset_t& sign
   }
 }
 
-/// The axes have 1.5 s to come to rest. After that only the DDS library can hang, where it runs in
-/// this process: in threads that end only with the process.
+/// Ends the process if it does not end in time. The axes have 1.5 s to come to rest; after that
+/// only the DDS library can hang, if it runs in this process: its threads end only with the
+/// process.
 void end_in_time(int exit_code) {
-  // The thread keeps the logger: main() may have returned, and then the default logger is gone.
+  // The thread keeps the logger, because the default logger is destroyed once main() has returned.
   std::thread([exit_code, log = spdlog::default_logger()] {
-    constexpr std::chrono::milliseconds kLongest{1'950};  // of the 2 s that a service has to end
+    constexpr std::chrono::milliseconds kLongest{1'950};  // a service must end within 2 s
     std::this_thread::sleep_for(kLongest);
     log->warn("text=\"the DDS library did not end in time\"");
     _exit(exit_code);
@@ -375,10 +377,10 @@ void end_in_time(int exit_code) {
 }
 
 int serve(const Configuration& configuration, const Arguments& arguments) {
-  // Blocked before the first thread starts, so that every thread leaves them to this one.
+  // Blocked before the first thread starts, so that only this thread receives them.
   const sigset_t signals = stop_signals();
   pthread_sigmask(SIG_BLOCK, &signals, nullptr);
-  // Before the first thread too: its child must have none of them.
+  // Also before the first thread starts, because the spawner is forked here.
   const bool has_process = effective_wire_form(configuration) == WireForm::process;
   WireSettings settings = wire_settings(configuration);
   settings.log_level = arguments.log_level;
@@ -410,7 +412,7 @@ int serve(const Configuration& configuration, const Arguments& arguments) {
                            "; end that service, or choose another number with --bench");
   }
   if (is_cut_off) {
-    // A process may start programs only before it is confined: another run has to do it.
+    // A confined process may not start programs, so only a new run can start another spawner.
     throw std::runtime_error("the process that starts the network process has ended");
   }
   return kDone;
@@ -422,7 +424,7 @@ int replay_journal(const Arguments& arguments) {
   return result.agrees && result.is_complete ? kDone : kFailed;
 }
 
-/// Also those that are not used.
+/// Checks all flags, including those that the present command does not use.
 /// @throws BadArguments
 void check_flags(const Arguments& arguments) {
   Configuration configuration = demo_configuration();
@@ -469,7 +471,7 @@ void complain(std::string_view message) {
   std::cerr << prefixed_lines("vdrived: ", message) << '\n';
 }
 
-/// @return what is wrong with an argument that no option takes.
+/// @return the message for an argument that no option takes.
 std::string unexpected_text(const CLI::App& app, const std::string& argument) {
   if (!argument.starts_with('-')) {
     const bool has_file = app.count("--config") != 0 || app.count("--check") != 0;
@@ -490,9 +492,9 @@ std::string unexpected_text(const CLI::App& app, const std::string& argument) {
   return in_quotes(name) + " is not an option" + suggestion(name, known);
 }
 
-/// Other programs have a flag --check beside --config. Here it takes the file itself, and the word
-/// behind it would be that file.
-/// @return what is wrong; nothing where --check has a file or is not there.
+/// Other programs have a flag --check that is used together with --config. Here --check takes the
+/// file itself, so the next word would be taken for that file.
+/// @return the problem; nullopt if --check has a file or is not given
 std::optional<std::string> check_without_file(const std::vector<std::string_view>& words) {
   static constexpr std::string_view kCheck = "--check";
   static constexpr std::string_view kConfig = "--config";
@@ -513,7 +515,7 @@ std::optional<std::string> check_without_file(const std::vector<std::string_view
   return "--check takes the file itself: vdrived --check " + file;
 }
 
-/// Parses the command line, carries it out and reports what went wrong. @return the exit code
+/// Parses and carries out the command line, and reports errors. @return the exit code
 int parse_and_carry_out(int argument_count, const char* const* arguments) {
   CLI::App app{"vdrived: a bench of virtual CiA 402 servo drives on DDS", "vdrived"};
   Arguments given;
@@ -529,7 +531,7 @@ int parse_and_carry_out(int argument_count, const char* const* arguments) {
     complain(unexpected_text(app, app.remaining().front()));
     std::cerr << "Run with --help for more information.\n";
     return kUsage;
-  } catch (const CLI::ValidationError& error) {  // names the option, its value and the limits
+  } catch (const CLI::ValidationError& error) {  // it names the option, the value and the limits
     complain(escaped(error.what(), kShownOfMessage));
     return kUsage;
   } catch (const CLI::ParseError& error) {
@@ -565,7 +567,7 @@ int parse_and_carry_out(int argument_count, const char* const* arguments) {
 
 int run_command_line(int argument_count, const char* const* arguments) {
   const int code = parse_and_carry_out(argument_count, arguments);
-  // The one place where an answer that nobody has got becomes an error.
+  // Output that could not be written is an error.
   if (std::cout.flush() || code != kDone) return code;
   std::cerr << "vdrived: standard output could not be written: "
             << std::generic_category().message(errno) << '\n';

@@ -3,9 +3,9 @@
 
 namespace vdrive::service {
 
-/// The program `vdrived`: reads the command line, runs the service until SIGINT or SIGTERM.
-/// @return its exit code: 0 done, 1 bad configuration or no network, 2 bad command line,
-///         5 the bench number belongs to another service
+/// The program `vdrived`: reads the command line and runs the service until SIGINT or SIGTERM.
+/// @return the exit code: 0 = success, 1 = bad configuration or no network, 2 = bad command line, 5
+///         = the bench number belongs to another service
 [[nodiscard]] int run_command_line(int argument_count, const char* const* arguments);
 
 }  // namespace vdrive::service

@@ -18,12 +18,12 @@ using prometheus::ClientMetric;
 using prometheus::MetricFamily;
 using prometheus::MetricType;
 
-/// Puts families together; every metric carries the number of the bench.
+/// Collects families; every metric carries the number of the bench.
 class Families {
  public:
   explicit Families(std::string bench) : bench_(std::move(bench)) {}
 
-  /// A metric of the last family, or the first one of a new family.
+  /// Adds a metric to the last family if the name is the same, otherwise to a new family.
   ClientMetric& add(const MetricText& text, MetricType type) {
     if (families_.empty() || families_.back().name != text.name) {
       families_.push_back({.name = std::string(text.name),
@@ -89,7 +89,7 @@ void add(Families& families, const MetricRow<RefusalCounters>& row, const Counte
   }
 }
 
-/// By the conventions of Prometheus a time is in seconds, and the name of a counter ends in _total.
+/// By the conventions of Prometheus, times are in seconds and names of counters end in _total.
 std::string metric_name(const wire::MemberTraits& figure) {
   std::string name = "vdrive_" + std::string(figure.name);
   if (figure.unit == "us" && name.ends_with("_us")) name.replace(name.size() - 3, 3, "_seconds");

@@ -21,9 +21,10 @@ namespace beast = boost::beast;
 namespace http = beast::http;
 using boost::asio::ip::tcp;
 
-/// From its acceptance on a connection is kept so long, whatever its client does.
+/// How long a connection is kept, whatever its client does.
 constexpr std::chrono::seconds kPatience{5};
-/// After an error of accept, such as no descriptor left: without a pause it would come at once.
+/// The pause after an error of accept, such as no free descriptor: without it the error would recur
+/// immediately.
 constexpr std::chrono::milliseconds kAcceptPause{100};
 constexpr std::uint32_t kLongestHead = 8'192;  // [bytes]
 constexpr std::size_t kMostConnections = 64;
@@ -31,7 +32,7 @@ constexpr std::size_t kMostConnections = 64;
 using Request = http::request<http::empty_body>;
 using Response = http::response<http::string_body>;
 
-/// @return the requested path; a query has no meaning here.
+/// @return the requested path without its query, which has no meaning here.
 beast::string_view path_of(const Request& request) {
   return request.target().substr(0, request.target().find('?'));
 }
@@ -87,14 +88,14 @@ class Scrape : public std::enable_shared_from_this<Scrape> {
 
   void run() {
     stream_.expires_after(kPatience);
-    // The head names what is requested; a body is of no use and is not read.
+    // The head is enough; a body is not read.
     http::async_read_header(stream_, buffer_, parser_,
                             [self = shared_from_this()](beast::error_code error, std::size_t) {
                               self->reply_to(error);
                             });
   }
 
-  /// Ends what is under way.
+  /// Aborts the connection.
   void close() { stream_.close(); }
 
  private:
@@ -105,7 +106,7 @@ class Scrape : public std::enable_shared_from_this<Scrape> {
     } else if (error.category() == make_error_code(http::error::bad_version).category() &&
                error != http::error::end_of_stream) {
       reply(bad_request(error));
-    }  // else the client is gone, or its time is over
+    }  // else the client is gone, or has timed out
   }
 
   void reply(Response response) {
@@ -122,8 +123,8 @@ class Scrape : public std::enable_shared_from_this<Scrape> {
                       });
   }
 
-  /// A socket that is closed while something in it is unread takes its answer back: what still
-  /// comes is read and dropped until the client has closed, or its time is over.
+  /// Reads and drops input until the client closes or times out: if a socket is closed with unread
+  /// input, the kernel resets the connection, and the answer may be lost.
   void drain() {
     buffer_.clear();
     stream_.async_read_some(buffer_.prepare(kLongestHead),
@@ -182,8 +183,8 @@ class MetricsEndpoint::Server {
     });
   }
 
-  /// Every connection is served: a scraper sends its request at once, so the oldest connection is
-  /// the one that only holds its place.
+  /// Serves every connection. A scraper sends its request immediately, so the oldest connection is
+  /// most likely an idle one.
   void serve(tcp::socket socket) {
     std::erase_if(connections_, [](const auto& connection) {
       return connection.expired();

@@ -10,30 +10,30 @@
 
 namespace vdrive::service {
 
-/// What a probe is told: status 200 or 503, and why.
+/// The answer to a probe: status 200 or 503, and the reason.
 struct ProbeAnswer {
   bool is_good = false;
-  std::string text;  ///< a line
+  std::string text;  ///< one line
 };
 
-/// What a cluster asks of a service, called by the thread of the endpoint.
+/// The probes of a cluster. The thread of the endpoint calls them.
 struct Probes {
-  std::function<ProbeAnswer()> is_alive;  ///< if not it should be restarted
+  std::function<ProbeAnswer()> is_alive;  ///< if not, the service should be restarted
   std::function<ProbeAnswer()> is_ready;  ///< whether clients can use it
 };
 
-/// Serves metrics as Prometheus text (exposition format 0.0.4) at http://ADDRESS:PORT/metrics and
-/// the answers to probes at /livez and /readyz, from a thread of its own. A connection lasts at
-/// most 5 s and carries one answer; of more than 64 at once the oldest is closed.
+/// Serves metrics as Prometheus text (exposition format 0.0.4) at http://ADDRESS:PORT/metrics, and
+/// answers to probes at /livez and /readyz, from a separate thread. A connection lasts at most 5 s
+/// and carries one answer; when there are more than 64, the oldest is closed.
 class MetricsEndpoint {
  public:
   /// @param address IPv4, of this machine
   /// @param port 0 = any free one
-  /// @throws ConfigurationError when address and port cannot be had.
+  /// @throws ConfigurationError if it cannot listen on this address and port
   MetricsEndpoint(const std::string& address, std::uint16_t port,
                   std::unique_ptr<const Metrics> metrics, Probes probes);
 
-  /// Ends at once, whoever is connected.
+  /// Closes all connections immediately.
   ~MetricsEndpoint();
   MetricsEndpoint(const MetricsEndpoint&) = delete;
   MetricsEndpoint& operator=(const MetricsEndpoint&) = delete;

@@ -20,10 +20,10 @@
 namespace vdrive::service {
 namespace {
 
-/// A wire in its own process then announces its end; after this it is killed.
+/// The time for a wire in its own process to announce its end, before it is killed.
 constexpr std::chrono::milliseconds kTimeToAnnounceEnd{100};
 
-/// A wire that is a process of its own, which is started anew when it fails.
+/// A wire in a separate process, which is restarted when it fails.
 class ProcessWire final : public BenchWire {
  public:
   ProcessWire(std::shared_ptr<WireHost> host, const Configuration& configuration,
@@ -63,7 +63,7 @@ class ProcessWire final : public BenchWire {
   WireSupervisor supervisor_;
 };
 
-/// A wire that is threads of this process.
+/// A wire in threads of this process.
 class ThreadWire final : public BenchWire {
  public:
   ThreadWire(const Configuration& configuration, Counters& counters)
@@ -80,7 +80,7 @@ class ThreadWire final : public BenchWire {
 
   [[nodiscard]] WireLink& link() noexcept override { return link_; }
 
-  /// With security material it first proves that strangers do not find it.
+  /// With security material, first proves that strangers cannot discover the bench.
   void start() override {
     if (!network_.security.empty()) check_closed(program_.participant(), network_);
     link_.begin();
@@ -129,7 +129,7 @@ BenchRun::MakeWire wire_with(std::shared_ptr<WireHost> host) {
 
 }  // namespace
 
-/// In the order of construction: the metrics read what runs.
+/// In the order of construction: the metrics read the running bench.
 struct Service::Parts {
   Parts(Configuration configuration, JournalSink journal, std::unique_ptr<ParameterStore> store,
         std::shared_ptr<WireHost> host)

@@ -11,7 +11,7 @@
 namespace vdrive::service {
 namespace {
 
-/// The environment stays as it is: it is read again with each message.
+/// Leaves the environment unchanged (argument 0), because each message reads it again.
 void notify(const std::string& state) noexcept {
   if (const int result = sd_notify(0, state.c_str()); result < 0) {
     log_warning("NOTIFY_SOCKET: {}", std::generic_category().message(-result));
@@ -29,7 +29,7 @@ ServiceManager::ServiceManager() {
   receives_in_network_ = socket != nullptr && *socket == '@';
 }
 
-// The library keeps the socket in the environment; every receiver on it is the manager.
+// The library finds the socket in the environment, so these functions need no member of the class.
 // NOLINTBEGIN(readability-convert-member-functions-to-static)
 void ServiceManager::report_ready(const std::string& status) const noexcept {
   notify("READY=1\nSTATUS=" + status);
