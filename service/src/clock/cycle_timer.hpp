@@ -13,7 +13,7 @@ class CycleTimer {
   CycleTimer& operator=(const CycleTimer&) = delete;
   virtual ~CycleTimer() = default;
 
-  /// @return time that never jumps, from an arbitrary start.
+  /// @return time that never jumps, since an arbitrary start.
   [[nodiscard]] virtual std::chrono::nanoseconds monotonic_now() noexcept = 0;
 
   /// @return time since the epoch.
@@ -23,7 +23,7 @@ class CycleTimer {
   virtual void wait_until(std::chrono::nanoseconds deadline) noexcept = 0;
 };
 
-/// The time of this machine.
+/// The clocks of this machine.
 class SystemCycleTimer final : public CycleTimer {
  public:
   [[nodiscard]] std::chrono::nanoseconds monotonic_now() noexcept override;

@@ -15,8 +15,8 @@ void FreerunDriver::cycle() noexcept {  // NOLINT(bugprone-exception-escape)
   }
 }
 
-/// Ticks are so short that replies leave more slowly than requests may arrive: what could not be
-/// answered waits in the inbox.
+/// Ticks are so short that requests may arrive faster than replies leave: requests that cannot be
+/// answered wait in the inbox.
 void FreerunDriver::handle_arrivals() {
   Arrival* arrival = inbox_.front();
   while (arrival != nullptr && engine_.can_answer()) {

@@ -9,17 +9,16 @@
 
 namespace vdrive::service {
 
-/// Advances a bench as fast as possible. `cycle` takes no lock, allocates nothing and does not
-/// wait.
+/// Runs a bench as fast as possible. `cycle` takes no lock, allocates nothing and does not wait.
 class FreerunDriver {
  public:
-  /// The status is shown at this distance of wall time, if the image before it has left.
+  /// The interval of status images in wall time, provided that the previous image has left.
   static constexpr std::chrono::milliseconds kStatusInterval{1};
 
   FreerunDriver(BenchEngine& engine, Inbox& inbox, Outbox& outbox, CycleTimer& timer);
 
-  /// Handles what arrived and runs one tick. Some requests allocate; without memory the service
-  /// ends.
+  /// Handles all arrivals and runs one tick. Some requests allocate; if memory runs out, the
+  /// service ends.
   void cycle() noexcept;  // NOLINT(bugprone-exception-escape)
 
  private:

@@ -6,7 +6,7 @@
 namespace vdrive::service {
 namespace {
 
-/// A long step answers stores and frames meanwhile, not only at its end.
+/// Answers to stores and frames are delivered also during a long step.
 constexpr std::uint64_t kTicksPerDelivery = 64;
 
 }  // namespace
@@ -45,11 +45,11 @@ bool LockstepDriver::round() {
   const bool has_moved = pass_time(now);
   const bool has_stored = engine_.answer_stores();
   if (was_busy || has_moved || outbox_.replies.size() > 0) deliver();
-  if (has_moved) publish_status();  // after the reply: its client waits for nothing else
+  if (has_moved) publish_status();  // after the reply, which is all that the client waits for
   return was_busy || has_stored;
 }
 
-/// @return whether there was anything.
+/// @return whether there was anything to handle.
 bool LockstepDriver::handle_next(Clock::time_point now) {
   if (steps_.holds_requests_back()) return handle_frames_only(now);
   if (!deferred_.empty()) {
@@ -65,7 +65,8 @@ bool LockstepDriver::handle_next(Clock::time_point now) {
   return true;
 }
 
-/// The frames that a step waits for may be behind requests, which act after the step.
+/// The frames that a step waits for may arrive after other requests; those are carried out after
+/// the step.
 bool LockstepDriver::handle_frames_only(Clock::time_point now) {
   Arrival* const arrival = inbox_.front();
   if (arrival == nullptr) return false;
@@ -88,11 +89,12 @@ void LockstepDriver::handle(Arrival& arrival, Clock::time_point now) {
   } else {
     engine_.handle(arrival);
     engine_.queue_changes();
-    publish_queued();  // a restored state: no step may follow
+    publish_queued();  // a restored state has to be published even if no step follows
   }
 }
 
-/// Lets time pass as far as the steps allow, and answers each in its tick. @return whether it did.
+/// Lets time pass as far as the steps allow, and answers each step in its tick.
+/// @return whether time has passed
 bool LockstepDriver::pass_time(Clock::time_point now) {
   bool has_moved = false;
   for (std::uint64_t ticks = steps_.ticks_to_run(now); ticks > 0 && !stop_;
@@ -109,7 +111,7 @@ bool LockstepDriver::pass_time(Clock::time_point now) {
   return has_moved;
 }
 
-/// Not all of them when the service ends.
+/// Runs the ticks; stops early when the service ends.
 void LockstepDriver::run_ticks(std::uint64_t ticks) {
   for (std::uint64_t count = 1; count <= ticks; ++count) {
     steps_.begin_tick();
@@ -122,8 +124,8 @@ void LockstepDriver::run_ticks(std::uint64_t ticks) {
   }
 }
 
-/// Many steps may be due in one tick, beside the stores that became durable: more than the queue
-/// holds.
+/// Delivers in between, because the steps due in one tick and the stores that became durable may be
+/// more than the queue holds.
 void LockstepDriver::answer_steps(Clock::time_point now) {
   deliver_until([&] {
     return steps_.answer_due(now);
@@ -136,7 +138,7 @@ void LockstepDriver::end() {
   });
 }
 
-/// Empties the queue of answers until `is_done`, or until the wire takes no more.
+/// Delivers answers until `is_done`, or until the wire takes no more.
 template <typename IsDone>
 void LockstepDriver::deliver_until(const IsDone& is_done) {
   while (!is_done()) {
@@ -152,7 +154,7 @@ void LockstepDriver::remove_absent(Clock::time_point now) {
   });
 }
 
-/// Wall time decides how many of the ticks of a long step are shown.
+/// Limits the status frames during a long step by wall time.
 bool LockstepDriver::may_publish() {
   shown_ticks_.refill(Clock::now().time_since_epoch());
   return shown_ticks_.take();
@@ -174,7 +176,7 @@ void LockstepDriver::publish_queued() {
   }
 }
 
-/// While nothing moves: clients that join later see the axes, too.
+/// Repeats the status while nothing moves, for clients that join later.
 void LockstepDriver::idle() {
   engine_.queue_changes();
   deliver();

@@ -17,17 +17,18 @@
 
 namespace vdrive::service {
 
-/// Lets `step` requests advance a bench. One thread takes what arrived in its order, steps, and
-/// writes replies and status itself: a request changes hands once. How far time may pass, and who
-/// is answered when, is the business of StepRequests.
+/// Runs a bench in lock-step with `step` requests. One thread handles the arrivals in their order,
+/// steps, and writes replies and status itself, so that a request changes threads only once.
+/// StepRequests decides how far time may pass, and which step is answered when.
 class LockstepDriver {
  public:
   static constexpr std::chrono::milliseconds kIdleInterval{20};
-  /// A reply waits for its reader, and no ring says that the reader has come.
+  /// Used while a reply waits for its reader: the doorbell does not ring when the reader appears.
   static constexpr std::chrono::milliseconds kReplyInterval{1};
   static constexpr std::chrono::milliseconds kCheckInterval{100};
   static constexpr TokenBucket::Rate kStatusRate{.per_second = 1'000.0, .burst = 64.0};
-  /// Requests behind a step that waits for its frames; further ones are refused.
+  /// The maximum number of requests held back while a step waits for its frames. Further ones wait
+  /// in the inbox.
   static constexpr std::size_t kMostDeferred = 1'024;
 
   /// @param stop ends `run`
@@ -36,22 +37,22 @@ class LockstepDriver {
                  Outbox& outbox, StatusPublisher& status, ReplyPublisher& replies,
                  const std::atomic<bool>& stop, Doorbell& doorbell);
 
-  /// Works until the stop, in a thread of its own.
+  /// Works until `stop`, in a separate thread.
   void run();
 
   // The parts of `run`, for a bench without a thread:
 
-  /// Shows the axes for the first time.
+  /// Publishes the first status.
   void begin();
 
-  /// Takes what arrived first, lets time pass as far as the steps allow, and answers.
-  /// @return whether there may be more.
+  /// Handles the oldest arrival, lets time pass as far as the steps allow, and answers.
+  /// @return whether there may be more to do
   bool round();
 
-  /// Refuses the steps that wait.
+  /// Refuses the waiting steps.
   void end();
 
-  /// Counts rounds and ticks: it grows while the driver makes progress.
+  /// @return the count of rounds and ticks, which grows while the driver makes progress.
   [[nodiscard]] const Counter& beats() const noexcept { return beats_; }
 
  private:
@@ -84,7 +85,7 @@ class LockstepDriver {
   const std::atomic<bool>& stop_;
   Doorbell& doorbell_;
   std::uint32_t status_every_;
-  std::deque<Arrival> deferred_;  ///< requests that came while a step waited for its commands
+  std::deque<Arrival> deferred_;  ///< requests that arrived while a step waited for its frames
   Clock::time_point next_check_{};
   Counter beats_;
   TokenBucket shown_ticks_{kStatusRate};

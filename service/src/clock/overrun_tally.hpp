@@ -9,8 +9,8 @@
 
 namespace vdrive::service {
 
-/// Ticks that ended too late, told as few events: the first one at once, those after it as a count
-/// at the end of a span. A machine that is too slow has some in each second; so the span doubles
+/// Reports ticks that ended too late in few events: the first one immediately, later ones as a
+/// count at the end of a span. On a machine that is too slow they never stop, so the span doubles
 /// while they continue, and is short again once twice its length has passed without any. Monotonic
 /// time is an argument.
 class OverrunTally {
@@ -18,13 +18,13 @@ class OverrunTally {
   static constexpr std::chrono::seconds kShortestSpan{1};
   static constexpr std::chrono::seconds kLongestSpan{64};
 
-  /// After each tick.
-  /// @param late how far it ended past its deadline, above 0 = too late
-  /// @return what is to be reported now, if anything.
+  /// Notes a tick. Call it after each tick.
+  /// @param late by how much the tick ended after its deadline; above 0 = too late
+  /// @return the overruns to report now, if any
   std::optional<Overruns> note(std::chrono::nanoseconds now,
                                std::chrono::nanoseconds late) noexcept;
 
-  /// Ticks pause. @return what has not been reported yet.
+  /// Call it when ticks pause. @return the unreported overruns, if any
   std::optional<Overruns> flush(std::chrono::nanoseconds now) noexcept {
     end_ = std::min(end_, now);
     return note(now, std::chrono::nanoseconds::zero());
@@ -32,9 +32,9 @@ class OverrunTally {
 
  private:
   Overruns overruns_;                  ///< not reported yet, without their span
-  std::chrono::nanoseconds first_{0};  ///< when the first of them ended
-  std::chrono::nanoseconds span_{0};   ///< without a report
-  std::chrono::nanoseconds end_{0};    ///< of the span
+  std::chrono::nanoseconds first_{0};  ///< when the first of these ticks ended
+  std::chrono::nanoseconds span_{0};   ///< length of the present span
+  std::chrono::nanoseconds end_{0};    ///< of the present span
 };
 
 }  // namespace vdrive::service

@@ -40,7 +40,7 @@ void RealtimeDriver::cycle() noexcept {
   }
 }
 
-/// A request has set another rate. The tick that was due follows that rate; it does not come now.
+/// Follows a rate that a request has set. The tick that was due now is rescheduled to that rate.
 void RealtimeDriver::change_rate() noexcept {
   rate_ = engine_.rate();
   const Instant now{timer_.monotonic_now(), timer_.wall_now()};
@@ -90,7 +90,7 @@ void RealtimeDriver::follow_wall_clock() noexcept {
   counters_.wall_offset.set(offset.count());
 }
 
-/// While paused: clients that join later see the axes, too.
+/// Repeats the status while paused, for clients that join later.
 void RealtimeDriver::idle() noexcept {
   static_cast<void>(engine_.answer_stores());
   engine_.queue_changes();
@@ -102,7 +102,7 @@ void RealtimeDriver::idle() noexcept {
   next_cycle_.store((now + period_).count(), std::memory_order_relaxed);
 }
 
-/// What could not be answered now waits in the inbox.
+/// Arrivals that cannot be answered now wait in the inbox.
 void RealtimeDriver::handle_arrivals() {
   for (std::size_t count = 0; count < kArrivalsPerTick && engine_.can_answer(); ++count) {
     Arrival* const arrival = inbox_.front();

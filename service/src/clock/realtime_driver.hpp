@@ -14,24 +14,25 @@
 
 namespace vdrive::service {
 
-/// Lets the wall clock advance a bench. In `cycle` no lock, no allocation, and no system call but
-/// the wait.
+/// Runs a bench by the wall clock. `cycle` takes no lock, does not allocate, and makes no system
+/// call except its wait.
 class RealtimeDriver {
  public:
-  /// How many arrivals one tick handles at most; the others wait for the next.
+  /// The maximum number of arrivals handled in one tick; the others wait for the next tick.
   static constexpr std::size_t kArrivalsPerTick = 256;
 
-  /// Paused, the status is shown again at this distance.
+  /// The interval at which the status is repeated while paused.
   static constexpr std::chrono::milliseconds kRepeatInterval{20};
 
-  /// Sets the engine's tick to that of the wall clock; the first cycle runs the next one.
+  /// Sets the last completed tick of the engine from the wall clock; the first cycle runs the next
+  /// one.
   RealtimeDriver(const Configuration& configuration, BenchEngine& engine, Inbox& inbox,
                  Counters& counters, CycleTimer& timer);
 
-  /// Waits for the next tick and runs it. Paused, it only handles what arrived.
+  /// Waits for the next tick and runs it. While paused, only handles arrivals.
   void cycle() noexcept;
 
-  /// Monotonic time of the next cycle, for threads that follow this one.
+  /// @return the monotonic time of the next cycle, for threads that follow this one.
   [[nodiscard]] std::chrono::nanoseconds next_cycle() const noexcept {
     return std::chrono::nanoseconds{next_cycle_.load(std::memory_order_relaxed)};
   }
@@ -51,7 +52,7 @@ class RealtimeDriver {
   std::uint32_t status_every_;
   WallStepPolicy wall_step_policy_;
   double rate_;
-  std::optional<TickClock> clock_;  ///< nothing = paused
+  std::optional<TickClock> clock_;  ///< nullopt = paused
   OverrunTally overruns_;
   std::chrono::nanoseconds next_repeat_{0};
   std::atomic<std::int64_t> next_cycle_{0};

@@ -9,25 +9,27 @@
 
 namespace vdrive::service {
 
-/// The last second and a half of a bench. Any thread requests the end; the thread that steps the
-/// bank brings the axes to rest: on their ramp first, then with the quick stop, then without power.
+/// The last 1.5 s of a bench. Any thread requests the end; the thread that steps the bank brings
+/// the axes to rest: first on their ramp, then with a quick stop, and finally by removing their
+/// power.
 class Shutdown {
  public:
-  /// Wall time from the request on. The rest of the 2 s that a service has is for the announcement
-  /// of its end.
+  /// Wall time since the request. The rest of the 2 s that a service has to end is for announcing
+  /// its end.
   static constexpr std::chrono::milliseconds kLongestRamp{1000};
   static constexpr std::chrono::milliseconds kLongest{1500};
 
   Shutdown(BenchEngine& engine, CycleTimer& timer) noexcept;
 
-  /// Any thread. Idempotent.
+  /// Requests the end. Any thread. Idempotent.
   void begin() noexcept;
 
-  /// Any thread: no axis has power any more, or there is no way to brake them: time is up, or
-  /// stands still.
+  /// @return whether braking is over: no axis has power any more, the time is up, or drive time
+  ///         stands still, so that no axis can brake. Any thread.
   [[nodiscard]] bool is_done() const noexcept { return done_.load(std::memory_order_acquire); }
 
-  /// The thread that steps the bank, between two ticks. Free until `begin`.
+  /// Brakes the axes. For the thread that steps the bank, between two ticks. Costs nothing before
+  /// `begin`.
   void advance() noexcept;
 
  private:
@@ -37,7 +39,7 @@ class Shutdown {
   CycleTimer& timer_;
   std::atomic<std::chrono::nanoseconds::rep> begin_{0};  ///< monotonic, 0 = not yet
   std::atomic<bool> done_{false};
-  Braking braking_ = Braking::none;  ///< holds when `is_braking_`
+  Braking braking_ = Braking::none;  ///< valid if `is_braking_`
   bool is_braking_ = false;
 };
 

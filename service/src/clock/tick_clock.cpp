@@ -7,7 +7,7 @@
 namespace vdrive::service {
 namespace {
 
-/// An error is steered away within this many ticks, unless the limit of steering is reached.
+/// An offset is steered away within this many ticks, unless the limit of steering is reached.
 constexpr double kSteeringHorizon = 200.0;
 
 }  // namespace
@@ -43,7 +43,7 @@ void TickClock::set_rate(double rate, const Instant& now) noexcept {
   rebase(now);
 }
 
-/// From here on the next tick is in time.
+/// Sets the reference so that the next tick is on time.
 void TickClock::rebase(const Instant& now) noexcept {
   const std::int64_t due =
       static_cast<std::int64_t>(deadline_) + (now.wall - now.monotonic).count();
@@ -62,9 +62,9 @@ std::uint64_t TickClock::skip_backlog(std::chrono::nanoseconds monotonic_now) no
   return skipped;
 }
 
-/// Wall time of the deadline against the wall time at which this tick should have begun. The
-/// difference of the clocks is exact in integers; a double would round the time since the epoch to
-/// a quarter of a microsecond.
+/// @return the wall time of the deadline minus the wall time at which this tick should have begun.
+/// Computed in integers, which are exact; a double would round the time since the epoch to a
+/// quarter of a microsecond.
 double TickClock::read_offset(const Instant& now) const noexcept {
   const auto due = static_cast<std::int64_t>(deadline_) + (now.wall - now.monotonic).count();
   const auto begin =

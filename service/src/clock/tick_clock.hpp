@@ -15,24 +15,24 @@ struct Instant {
   std::chrono::nanoseconds wall{0};  ///< since the epoch
 };
 
-/// The wall clock was stepped.
+/// A step of the wall clock.
 struct WallStep {
-  std::chrono::nanoseconds offset{0};  ///< of the wall clock ahead of drive time; below 0: behind
-  std::uint64_t jumped = 0;            ///< ticks that the number jumps by; 0 = it is steered
+  std::chrono::nanoseconds offset{0};  ///< wall clock minus drive time
+  std::uint64_t jumped = 0;  ///< ticks that the number jumps by; 0 = drive time is steered
 };
 
-/// When which tick is due in realtime mode.
+/// Determines when each tick is due in realtime mode.
 ///
 /// Tick n begins at the wall time n x period, so that benches with synchronised clocks agree. From
-/// the first tick on, deadlines are monotonic; at rate 1 their distance is steered towards the wall
+/// the first tick on, deadlines are monotonic; at rate 1 their interval is steered towards the wall
 /// clock by at most 500 ppm. Up to 100 late ticks are caught up; beyond that the number jumps. At
-/// other rates the distance is period / rate and nothing is steered.
+/// other rates the interval is period / rate and nothing is steered.
 ///
-/// An offset between wall clock and drive time that grows by more than 10 ms, faster than 2,000
-/// ppm, is a step of the wall clock. Clocks that are synchronised agree within 1 ms, and a crystal
-/// and the slewing of a clock together change it by less than 1,000 ppm; 10 ms is the longest
-/// period, so a step is a tick at least, and takes 20 s to steer away. Three readings in a row have
-/// to show it: one of them is wrong when the thread rests between its reading of the two clocks.
+/// If the offset between wall clock and drive time grows by more than 10 ms, faster than 2,000 ppm,
+/// the wall clock was stepped: synchronised clocks agree within 1 ms, and the drift of a crystal
+/// and the slewing of a clock together stay below 1,000 ppm. 10 ms is the longest period, so a step
+/// is at least one tick, and takes 20 s to steer away. Three readings in a row must show the step,
+/// because a single one is wrong if the thread is suspended between reading the two clocks.
 ///
 /// After a pause or a change of the rate the number continues from where it was: tick n then begins
 /// at reference + n x period, and the reference is no longer the epoch.
@@ -47,31 +47,31 @@ class TickClock {
   TickClock(std::chrono::microseconds period, double rate, const Instant& now,
             WallStepPolicy policy = WallStepPolicy::steer) noexcept;
 
-  /// After a pause: tick `next_tick` is due one interval from now.
+  /// For the end of a pause: tick `next_tick` is due one interval from now.
   TickClock(std::chrono::microseconds period, double rate, const Instant& now,
             std::uint64_t next_tick, WallStepPolicy policy = WallStepPolicy::steer) noexcept;
 
-  /// From now on at another rate, above 0; the drive time that is left until the next tick stays.
+  /// Changes the rate, above 0. The drive time left until the next tick is kept.
   void set_rate(double rate, const Instant& now) noexcept;
 
-  /// Number of the next tick.
+  /// @return the number of the next tick.
   [[nodiscard]] std::uint64_t next_tick() const noexcept { return next_tick_; }
 
-  /// Monotonic time at which the next tick is due.
+  /// @return the monotonic time at which the next tick is due.
   [[nodiscard]] std::chrono::nanoseconds deadline() const noexcept {
     return std::chrono::nanoseconds{static_cast<std::int64_t>(deadline_)};
   }
 
-  /// @return how many ticks to leave out now: 0 unless the backlog is above 100. They are left out
-  ///         by this call.
+  /// Skips the late ticks if there are more than 100 of them.
+  /// @return how many were skipped
   [[nodiscard]] std::uint64_t skip_backlog(std::chrono::nanoseconds monotonic_now) noexcept;
 
-  /// The next tick was run; plans the one after it.
-  /// @return the step of the wall clock that was seen now, if any.
+  /// Call it when the next tick was run: schedules the one after it.
+  /// @return the step of the wall clock, if one was detected now
   std::optional<WallStep> advance(const Instant& now) noexcept;
 
-  /// @return how far the wall clock was ahead of drive time in the last tick; 0 at another rate
-  ///         than 1.
+  /// @return how far the wall clock was ahead of drive time in the last tick; 0 at rates other than
+  ///         1.
   [[nodiscard]] std::chrono::nanoseconds offset() const noexcept {
     return std::chrono::nanoseconds{static_cast<std::int64_t>(offset_)};
   }
@@ -89,9 +89,9 @@ class TickClock {
   std::uint64_t next_tick_;
   double deadline_;             ///< [ns] monotonic
   std::int64_t reference_ = 0;  ///< wall time of tick 0 [ns]
-  double offset_ = 0.0;         ///< of the wall clock ahead of drive time [ns]
-  double expected_ = 0.0;       ///< the offset as drift alone explains it [ns]
-  int deviations_ = 0;          ///< readings in a row that drift does not explain
+  double offset_ = 0.0;         ///< wall clock minus drive time [ns]
+  double expected_ = 0.0;       ///< the part of the offset that drift explains [ns]
+  int deviations_ = 0;          ///< consecutive readings that drift does not explain
 };
 
 }  // namespace vdrive::service
