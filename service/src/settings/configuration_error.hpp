@@ -8,7 +8,7 @@
 
 namespace vdrive::settings {
 
-/// A configuration cannot be used. The message has a line for each mistake, which names file, line,
+/// A configuration cannot be used. The message has one line per mistake, which names file, line,
 /// key, value, unit and limit where they apply.
 class ConfigurationError : public std::runtime_error {
  public:
@@ -21,19 +21,19 @@ class ConfigurationError : public std::runtime_error {
   [[nodiscard]] const std::vector<std::string>& mistakes() const noexcept { return *mistakes_; }
 
  private:
-  /// Shared: a copy of an exception must not throw.
+  /// Shared, because copying an exception must not throw.
   std::shared_ptr<const std::vector<std::string>> mistakes_;
 };
 
 /// The mistakes of a file, in the order in which reading finds them.
 class Mistakes {
  public:
-  /// No person reads more of them, and a long file could have millions.
+  /// Nobody reads more of them, and a long file could have millions.
   static constexpr std::size_t kMost = 100;
 
-  /// Reads a part of the file. Its ConfigurationError is kept: what stands behind the part is read,
-  /// too. After kMost mistakes nothing more is read.
-  /// @return whether the part was read and had no mistake.
+  /// Reads a part of the file and keeps its ConfigurationError, so that the following parts are
+  /// read, too. After kMost mistakes nothing more is read.
+  /// @return whether the part was read and had no mistake
   template <typename Read>
   bool collect(const Read& read) {
     if (texts_.size() >= kMost) {
@@ -49,7 +49,7 @@ class Mistakes {
     }
   }
 
-  /// @throws ConfigurationError with every mistake, when there is one.
+  /// @throws ConfigurationError with all mistakes, if there are any
   void throw_if_any() const;
 
  private:

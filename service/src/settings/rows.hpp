@@ -24,8 +24,8 @@
 
 namespace vdrive::settings {
 
-/// The keys of a YAML file as rows of a table: what is here reads, checks, prints and describes
-/// them. The service and the bridges have tables, and nothing else for their keys.
+// The keys of a YAML file as rows of a table, with functions that read, check, print and describe
+// them. The service and the bridges define their keys by such tables only.
 
 /// A key with its place in the file, for the help.
 struct ConfigurationKey {
@@ -35,15 +35,15 @@ struct ConfigurationKey {
 
 // ---- what a value may be -----------------------------------------------------------------------
 
-/// Every value that the type of the place can have.
+/// Any value of the type of the place.
 struct Any {};
 
-/// A text that has to meet further conditions.
+/// A text that must meet further conditions.
 struct TextRule {
   std::string_view if_empty{};  ///< error for an empty text; empty = an empty text is allowed
-  bool (*fits)(const std::string&) = nullptr;  ///< nullptr = any other text does
-  std::string_view refusal{};                  ///< of a text that does not fit
-  bool is_quoted = false;                      ///< when it is printed
+  bool (*fits)(const std::string&) = nullptr;  ///< nullptr = every other text fits
+  std::string_view refusal{};                  ///< error for a text that does not fit
+  bool is_quoted = false;                      ///< whether it is printed in quotes
 };
 
 /// A whole number, or a word for none.
@@ -52,7 +52,7 @@ struct IntegerOrNone {
   std::string_view none;
 };
 
-/// What a key asks of its value, and of each element where the value is a list.
+/// The rule for the value of a key, or for each element if the value is a list.
 using Rule = std::variant<Any, IntegerLimits, NumberLimits, Choices, TextRule, IntegerOrNone>;
 
 template <auto... kValues>
@@ -71,8 +71,8 @@ template <typename T>
 concept Text = std::same_as<T, std::string> || std::same_as<T, std::filesystem::path>;
 
 // ---- from a file to the place ------------------------------------------------------------------
-// A type with a form of its own has a read_value() beside it, and a write_value() if it is printed.
-// Each throws ConfigurationError when the value breaks the rule.
+// A type with its own syntax has its own read_value(), and write_value() if it is printed. Each
+// throws ConfigurationError if the value breaks the rule.
 
 inline void read_value(const YamlValue& value, const Any& /*rule*/, bool& place) {
   place = value.boolean();
@@ -128,7 +128,7 @@ void read_value(const YamlValue& value, const IntegerOrNone& rule, std::optional
   if (value.text() != rule.none) read_value(value, rule.limits, place.emplace());
 }
 
-/// The list replaces what the place has.
+/// The list replaces the content of the place.
 template <typename R, typename T>
 void read_value(const YamlValue& list, const R& rule, std::vector<T>& place) {
   place.clear();
@@ -208,8 +208,8 @@ void write_value(YAML::Emitter& out, const R& rule, const std::vector<T>& place)
   out << YAML::EndSeq;
 }
 
-/// @return whether there is something to print: not for an empty text, nor for no value unless a
-///         word stands for it.
+/// @return whether there is something to print: false for an empty text, and for nullopt unless the
+///         rule has a word for it.
 template <typename R, typename T>
 [[nodiscard]] bool is_given(const T& place) {
   if constexpr (Text<T>) {
@@ -223,37 +223,37 @@ template <typename R, typename T>
 
 // ---- the rows ----------------------------------------------------------------------------------
 
-/// A key of a map whose value belongs to an `Owner`: all that a program knows of the key.
+/// Everything about a key of a map whose value belongs to an `Owner`.
 template <typename Owner>
 struct Row {
   std::string_view key{};
 
-  /// Values, unit, limits and meaning, for the help; "{}" stands for the limits. Empty where no
-  /// program shows it, and of a section.
+  /// Values, unit, limits and meaning, for the help; "{}" stands for the limits. Empty for
+  /// sections, and if no program shows it.
   std::string_view what{};
 
   Rule rule{};
 
-  /// Refuses a map without the key; empty = the key may be left out.
+  /// Error for a map without the key; empty = the key may be left out.
   std::string_view needed{};
 
-  /// Reads the value into its place; nullptr = `then` does all.
+  /// Reads the value into its place; nullptr = `then` does everything.
   void (*read)(const YamlValue& value, const Rule& rule, Owner& owner) = nullptr;
 
-  /// Judges the value together with others, or computes what follows from it.
+  /// Checks the value together with others, or computes what follows from it.
   void (*then)(const YamlValue& value, Owner& owner) = nullptr;
 
   /// Prints the value; nullptr = the key is not printed.
   void (*write)(YAML::Emitter& out, const Rule& rule, const Owner& owner) = nullptr;
 
-  /// Whether the key is printed at all; nullptr = always.
+  /// Decides whether the key is printed; nullptr = always.
   bool (*is_printed)(const Owner& owner) = nullptr;
 
-  /// Adds the key to the help in place of `what`: a section adds its keys.
+  /// Adds to the help instead of `what`: a section adds its keys.
   void (*describe)(const std::string& path, std::vector<ConfigurationKey>& keys) = nullptr;
 };
 
-/// @return the keys of rows in their order.
+/// @return the keys of the rows, in their order.
 [[nodiscard]] std::vector<std::string_view> keys_of(const auto& rows) {
   std::vector<std::string_view> keys;
   keys.reserve(std::size(rows));
@@ -261,7 +261,7 @@ struct Row {
   return keys;
 }
 
-/// Reads the value of a key that is one of the known ones.
+/// Reads the value of a key, which must have a row.
 template <typename Owner>
 void read_key(const auto& rows, std::string_view key, const YamlValue& value, Owner& owner) {
   const auto row = std::ranges::find(rows, key, &Row<Owner>::key);
@@ -271,8 +271,8 @@ void read_key(const auto& rows, std::string_view key, const YamlValue& value, Ow
 }
 
 /// Reads a map whose keys have rows.
-/// @throws ConfigurationError when a key is unknown or appears twice, its row refuses the value, or
-///         a key that is needed is missing.
+/// @throws ConfigurationError if a key is unknown or appears twice, its row refuses the value, or a
+///         required key is missing
 template <typename Owner>
 void read_section(const YamlValue& map, const auto& rows, Owner& owner) {
   std::vector<std::string> given;
@@ -347,9 +347,9 @@ template <auto kMember, auto... kFurther>
   }
 }
 
-/// @tparam kMember with kFurther leads from the owner to the place of the value, such as
+/// @tparam kMember together with kFurther, leads from the owner to the place of the value, such as
 ///         &Configuration::network, &NetworkSettings::domain
-/// @param row what else there is to say of the key
+/// @param row the other properties of the key
 template <auto kMember, auto... kFurther, typename R = Any>
 [[nodiscard]] constexpr auto key(std::string_view name, const R& rule = {},
                                  std::string_view what = {}, Row<OwnerOf<kMember>> row = {}) {
@@ -381,10 +381,9 @@ template <auto kMember, auto... kFurther, typename R = Any>
   return made;
 }
 
-/// A key whose value is a map with rows of its own. A section without anything to print is not
-/// printed.
-/// @tparam kMember with kFurther leads from the owner to the owner of the rows
-/// @param row what else there is to say of the key
+/// A key whose value is a map with its own rows. A section with nothing to print is not printed.
+/// @tparam kMember together with kFurther, leads from the owner to the owner of the rows
+/// @param row the other properties of the key
 template <const auto& kRows, auto kMember, auto... kFurther>
 [[nodiscard]] constexpr auto section(std::string_view name, Row<OwnerOf<kMember>> row = {}) {
   using Owner = OwnerOf<kMember>;

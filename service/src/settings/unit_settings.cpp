@@ -11,12 +11,12 @@
 namespace vdrive::settings {
 namespace {
 
-/// The key that has the size of a unit of this kind.
+/// @return the key for the size of a unit of this kind.
 std::string_view size_key(UnitKind kind) {
   return kind == UnitKind::rotary ? "per_revolution" : "per_unit";
 }
 
-/// What a `unit` of the configuration has, each with its place.
+/// The entries of a `unit` in the configuration, with their places.
 struct UnitEntries {
   UnitKind kind{};
   std::optional<YamlValue> name{};

@@ -9,15 +9,15 @@
 
 namespace vdrive::settings {
 
-/// Reads the unit that `axes[].unit` describes; what it does not mention has its default.
-/// @throws ConfigurationError when the kind is missing, a key belongs to the other kind, or a value
-///         is outside its limits.
+/// Reads the unit in `axes[].unit`; absent keys have their defaults.
+/// @throws ConfigurationError if the kind is missing, a key belongs to the other kind, or a value
+///         is outside its limits
 void read_value(const YamlValue& value, const Any& rule, Unit& unit);
 
 /// Writes the map that `read_value` reads.
 void write_value(YAML::Emitter& out, const Any& rule, const Unit& unit);
 
-/// Adds the keys of a unit that stands at `path`.
+/// Adds the keys of a unit at `path`.
 void describe_unit(const std::string& path, std::vector<ConfigurationKey>& keys);
 
 }  // namespace vdrive::settings

@@ -33,7 +33,7 @@ std::string with_unit(const std::string& number, std::string_view unit) {
                            problem);
 }
 
-/// The parser would take wide text as well, and put other characters in the place of bad ones.
+/// Needed because the parser also accepts UTF-16 and UTF-32, and replaces invalid characters.
 void check_encoding(const std::string& text, const std::string& file_name) {
   if (is_wide_text(text)) {
     throw ConfigurationError(escaped(file_name, kShownOfMessage) +
@@ -49,11 +49,11 @@ void check_encoding(const std::string& text, const std::string& file_name) {
 }
 
 constexpr std::size_t kDeepest = 32;  // a configuration has five levels
-/// As many values as the largest file could hold without aliases.
+/// The number of values that the largest file could contain without aliases.
 constexpr std::size_t kMostValues = kLargestSettingsFile / 2;
 
-/// Notes where each document begins, and refuses what would take a small file long to read: lists
-/// within lists without end, and aliases of aliases, each of which repeats what it names.
+/// Notes where each document begins, and refuses small files that would take long to read: with
+/// deeply nested lists, or with aliases of aliases, which multiply their content.
 class DocumentCheck : public YAML::EventHandler {
  public:
   explicit DocumentCheck(const std::string& file_name) : file_name_(file_name) {}
@@ -128,13 +128,12 @@ class DocumentCheck : public YAML::EventHandler {
 
   const std::string& file_name_;
   std::vector<Open> open_;
-  std::size_t values_ = 0;                       ///< so far, of all documents
-  std::map<YAML::anchor_t, std::size_t> sizes_;  ///< of what has an anchor and has ended
+  std::size_t values_ = 0;                       ///< so far, in all documents
+  std::map<YAML::anchor_t, std::size_t> sizes_;  ///< of complete nodes with an anchor [values]
 };
 
-/// `YAML::LoadAll` would find it as well, but never returns where a text continues with what no
-/// document can begin with, such as a comma: each document that it then finds is empty and ends
-/// where it began.
+/// Not `YAML::LoadAll`, because it never returns if the text continues with something that no
+/// document can begin with, such as a comma: it keeps finding empty documents at the same place.
 void check_that_one_document_is_all(const std::string& text, const std::string& file_name) {
   std::istringstream stream(text);
   YAML::Parser parser(stream);
@@ -150,8 +149,8 @@ void check_that_one_document_is_all(const std::string& text, const std::string& 
               "a second YAML document begins here; a configuration is one document");
 }
 
-/// @return the number of the first line that a tab indents, up to `last`; 0 = none. YAML allows
-///         blanks only, and its parser does not name the tab.
+/// YAML allows only blanks for indentation, but the error of the parser does not mention a tab.
+/// @return the first line, up to `last`, that is indented with a tab; 0 = none
 std::size_t first_line_with_tab(const std::string& text, std::size_t last) {
   std::istringstream lines(text);
   std::string line;
