@@ -18,7 +18,7 @@ namespace {
 constexpr mode_t kFileMode = 0600;
 constexpr mode_t kDirectoryMode = 0700;
 
-/// Calls until no signal interrupts.
+/// Repeats a call that a signal has interrupted.
 template <typename Function>
 auto uninterrupted(Function function) {
   auto result = function();
@@ -41,7 +41,7 @@ int flags_of(FileOperations::Purpose purpose) {
   return O_RDONLY;
 }
 
-/// A link that a stranger made could lead anywhere.
+/// A link created by another user could lead anywhere.
 bool is_link_of_stranger(const std::filesystem::path& file) {
   struct stat status {};
 
@@ -80,11 +80,11 @@ class SystemFiles final : public FileOperations {
       return is_of_root ? Privacy::kept : Privacy::foreign;
     }
     if ((status.st_mode & kOfOthers) == 0) return Privacy::kept;
-    // Others have files in such a directory: it is /tmp, or a volume.
+    // A directory that everybody may write to, such as /tmp or a volume, is used by others.
     if (S_ISDIR(status.st_mode) && (status.st_mode & S_IWOTH) != 0) return Privacy::foreign;
     if (::fchmod(file, status.st_mode & S_IRWXU) == 0) return Privacy::narrowed;
     if (errno != EROFS) fail("fchmod");
-    return Privacy::kept;  // nobody can write there
+    return Privacy::kept;  // on a read-only file system nobody can write
   }
 
   std::uint64_t size(int file) override {

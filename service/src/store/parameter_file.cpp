@@ -43,7 +43,7 @@ std::string head_of(std::string_view content) {
   throw ParameterFileError(ParameterProblem::damaged, 0, what);
 }
 
-/// @throws when the first line is not the one that belongs to the rest.
+/// @throws ParameterFileError if the first line does not match the rest
 std::string_view content_of(std::string_view file) {
   const std::size_t end = file.find('\n');
   if (end == std::string_view::npos || !file.starts_with(kFirstWords)) {
@@ -99,7 +99,8 @@ ParameterTable decode(std::span<const std::byte> file) {
     for (const auto& [number, axis] : json.at("axes").items()) {
       auto& values = table[number_of<std::uint16_t>(number)];
       for (const auto& [object, value] : axis.items()) {
-        // The library converts a value such as 1e400 without a check of the range of the integer.
+        // The library would convert a value such as 1e400 without checking the range of the
+        // integer.
         if (!value.is_number_integer()) {
           fail_damaged("the value of " + in_quotes(object) + " is not a whole number");
         }
@@ -109,8 +110,8 @@ ParameterTable decode(std::span<const std::byte> file) {
   } catch (const Json::exception& error) {
     fail_damaged(escaped(error.what(), kShownOfMessage));
   }
-  // A check can be right over content that was never written: a number that wraps around, an
-  // object that is named twice.
+  // A correct check does not prove that vdrived wrote the content: it may have a number that wraps
+  // around, or an object that appears twice.
   if (content_of(encode(table)) != content) {
     fail_damaged("its content is not in the form that vdrived writes");
   }

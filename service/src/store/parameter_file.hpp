@@ -14,16 +14,16 @@
 
 namespace vdrive::service {
 
-/// What is stored of each axis, by its number.
+/// The stored values of each axis, by its number.
 using ParameterTable = std::map<std::uint16_t, std::vector<InitialValue>>;
 
-/// The version of the file that is written. A program that writes a later one reads this one too.
+/// The version of the file format. A program that writes a later version must also read this one.
 inline constexpr std::uint32_t kParameterFileVersion = 1;
 
-/// A longer file was not written by vdrived: 65,535 axes with every object fill less.
+/// The largest file that is read [bytes]: 65,535 axes with all objects need less.
 inline constexpr std::uint64_t kLargestParameterFile = 128ULL << 20U;
 
-/// A file of parameters cannot be used.
+/// A parameter file cannot be used.
 class ParameterFileError : public std::runtime_error {
  public:
   ParameterFileError(ParameterProblem problem, std::uint64_t number, const std::string& message)
@@ -39,11 +39,11 @@ class ParameterFileError : public std::runtime_error {
   std::uint64_t number_;
 };
 
-/// @return the file: one line with version, length and check of what follows, then JSON.
+/// @return the content of a file: one line with version, length and check of the rest, then JSON.
 [[nodiscard]] std::string encode(const ParameterTable& table);
 
-/// Objects and values are not judged.
-/// @throws ParameterFileError unless every byte is as `encode` wrote it.
+/// Does not check objects and values.
+/// @throws ParameterFileError unless every byte is as `encode` writes it
 [[nodiscard]] ParameterTable decode(std::span<const std::byte> file);
 
 }  // namespace vdrive::service

@@ -15,7 +15,7 @@
 namespace vdrive::service {
 namespace {
 
-// A thread that ticks must make no system call to wake this one: this one polls.
+// The saver polls, because the tick thread must not make a system call to wake it.
 constexpr std::chrono::milliseconds kNap{2};
 
 static_assert(kStoredCount <= kMostStored, "an order has room for each object that is stored");
@@ -104,7 +104,7 @@ bool ParameterSaver::save_waiting() {
   return !batch_.empty();
 }
 
-/// @return the errno of what went wrong, or 0.
+/// @return the errno of a failure, or 0.
 int ParameterSaver::save_batch() noexcept {
   try {
     ParameterTable next = table_;

@@ -15,47 +15,48 @@
 
 namespace vdrive::service {
 
-/// Room for the values that an axis stores.
+/// Room for the stored values of an axis.
 inline constexpr std::size_t kMostStored = 96;
 
-/// One axis to be stored or to be forgotten, and on the way back what became of it.
+/// An order to store or forget the values of one axis, and later its result.
 struct StoreOrder {
-  std::uint32_t request = 0;  ///< as the engine counts them
+  std::uint32_t request = 0;  ///< number of the request in the engine
   std::uint16_t axis = 0;     ///< index on the bench
   std::uint16_t number = 0;   ///< of the axis on the bench
-  std::uint16_t object = 0;   ///< place of the object in a request that writes
+  std::uint16_t object = 0;   ///< position of the object in a write request
   bool forget = false;
-  std::array<std::int64_t, kMostStored> values{};  ///< of kStoredRows, from the first on
+  std::array<std::int64_t, kMostStored> values{};  ///< of kStoredRows, in their order
   int error = 0;                                   ///< errno; 0 = durable
 };
 
-/// Saves parameters away from the thread that steps the bank, which hands orders over without lock,
-/// allocation or system call. All orders that wait when a save begins are in it: while one save
-/// runs the next gathers. An order comes back when it is durable or has failed; a failed save
-/// leaves what was stored before.
+/// Saves parameters in a separate thread. The thread that steps the bank hands over orders without
+/// lock, allocation or system call. A save includes all orders that wait when it begins; orders
+/// that arrive during a save go into the next one. An order is returned when it is durable or has
+/// failed; a failed save leaves the previous parameters in place.
 class ParameterSaver {
  public:
-  /// The highest number of orders that are not finished.
+  /// The maximum number of unfinished orders.
   static constexpr std::size_t kMostOrders = 2'048;
 
-  /// @param table what the store holds
+  /// @param table the present content of the store
   ParameterSaver(std::unique_ptr<ParameterStore> store, ParameterTable table);
   ~ParameterSaver();
   ParameterSaver(const ParameterSaver&) = delete;
   ParameterSaver& operator=(const ParameterSaver&) = delete;
 
-  /// Starts the thread that saves. @param ready is called there when orders have come back.
+  /// Starts the thread that saves. @param ready is called in that thread when orders are returned
   void start(std::function<void()> ready);
 
-  /// Saves what waits and ends the thread. Idempotent.
+  /// Saves the waiting orders and ends the thread. Idempotent.
   void close() noexcept;
 
-  /// Saves what waits, in the calling thread: for tests, which do not `start`.
-  /// @return whether there was anything.
+  /// Saves the waiting orders in the calling thread: for tests, which do not call `start`.
+  /// @return whether there were any
   bool save_waiting();
 
-  /// The thread that steps the bank, from here on.
-  /// @return an order to be filled and pushed, or nullptr when too many are on their way.
+  // The functions below are for the thread that steps the bank.
+
+  /// @return an order to fill and push, or nullptr if too many are unfinished.
   [[nodiscard]] StoreOrder* free_order() noexcept;
 
   /// @return how many more orders may be pushed now.
@@ -63,7 +64,7 @@ class ParameterSaver {
 
   void push() noexcept;
 
-  /// @return the oldest order that has come back, or nullptr.
+  /// @return the oldest returned order, or nullptr.
   [[nodiscard]] const StoreOrder* returned() noexcept { return returned_.front(); }
 
   void pop() noexcept;
@@ -73,7 +74,7 @@ class ParameterSaver {
   [[nodiscard]] int save_batch() noexcept;
 
   std::unique_ptr<ParameterStore> store_;
-  ParameterTable table_;  ///< what is durable
+  ParameterTable table_;  ///< the durable parameters
   std::vector<StoreOrder> batch_;
   Ring<StoreOrder> orders_;
   Ring<StoreOrder> returned_;

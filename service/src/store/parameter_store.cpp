@@ -27,7 +27,7 @@ bool is_error(const std::system_error& error, int code) {
   return error.code() == std::error_code(code, std::generic_category());
 }
 
-/// A file that closes.
+/// Closes its file when it is destroyed.
 class OpenFile {
  public:
   OpenFile(FileOperations& files, const std::filesystem::path& file, Purpose purpose)
@@ -37,7 +37,7 @@ class OpenFile {
     try {
       close();
     } catch (const std::system_error& error) {
-      log_debug("{}", error.what());  // a read, or a write that has failed already
+      log_debug("{}", error.what());  // harmless: it was read, or its write has already failed
     }
   }
 
@@ -57,7 +57,7 @@ class OpenFile {
   int number_;
 };
 
-/// Does something that may be left undone.
+/// Does something whose failure is only logged. @return whether it succeeded
 template <typename Function>
 bool attempt(const char* what, Function function) {
   try {
@@ -69,7 +69,7 @@ bool attempt(const char* what, Function function) {
   }
 }
 
-/// @return the first value of the axis that cannot be used, and why.
+/// @return the first unusable value of the axis, and why; nullopt if there is none.
 std::optional<StoredProblem> refusal_of(const std::vector<InitialValue>& values) {
   for (const InitialValue& stored : values) {
     const AbortCode code = AxisBank::check_stored(stored.address, stored.value);
@@ -111,8 +111,8 @@ void ParameterStore::refuse(const std::string& problem) const {
                            ": " + problem);
 }
 
-/// Whoever can open the lock file can hold its lock, and whoever can write into the directory can
-/// put another file in its place.
+/// Required because anyone who can open the lock file can hold its lock, and anyone who can write
+/// to the directory can replace the file.
 void ParameterStore::require_private(int opened, const std::filesystem::path& path) const {
   switch (files_->make_private(opened)) {
     case FileOperations::Privacy::kept:
@@ -139,8 +139,9 @@ std::filesystem::path ParameterStore::file(const char* suffix) const {
   return directory_ / (name_ + ".parameters" + suffix);
 }
 
-/// @return who holds the lock, when another service does. Without a lock file no service can write
-///         the other files either: a later save tries again.
+/// If the lock file cannot be created, the other files cannot be written either; a later save tries
+/// again.
+/// @return the holder of the lock if it is another service
 std::optional<std::string> ParameterStore::lock() {
   try {
     const auto path = directory_ / (name_ + ".lock");
@@ -204,12 +205,12 @@ LoadedParameters ParameterStore::load() {
   return loaded;
 }
 
-/// The file is not there or cannot be used.
+/// Loads the previous file, because the current one is missing or cannot be used.
 void ParameterStore::load_previous(LoadedParameters& loaded) {
   try {
     loaded.table = read(file(".previous"));
     loaded.source = LoadedParameters::Source::previous;
-    // The new file is complete and named last: beside it the one before is what was stored.
+    // A save was interrupted between its two renames: the previous file is what was stored last.
     if (loaded.problem == ParameterProblem::missing && files_->exists(file(".new"))) {
       loaded.problem = ParameterProblem::none;
       is_away_ = true;
@@ -220,7 +221,7 @@ void ParameterStore::load_previous(LoadedParameters& loaded) {
       log_error("{}: {}: {}", file(".previous").string(),
                 describe_problem(error.problem(), error.number()), error.what());
     }
-    if (loaded.problem == ParameterProblem::missing) {  // of both: nothing was ever stored
+    if (loaded.problem == ParameterProblem::missing) {  // if both are missing, nothing was stored
       loaded.problem = is_missing ? ParameterProblem::none : error.problem();
       loaded.number = error.number();
     }
@@ -257,7 +258,7 @@ void ParameterStore::save(const ParameterTable& table) {
   }
 }
 
-/// Undoes the first half of a replacement that was cut short.
+/// Undoes the first half of an interrupted replacement.
 void ParameterStore::put_back() {
   if (is_away_) {
     files_->rename(file(".previous"), file(""));
@@ -275,15 +276,16 @@ void ParameterStore::write_beside(std::span<const std::byte> content) {
     opened.close();
   } catch (const std::system_error&) {
     attempt("an unfinished file could not be removed", [this, &path] {
-      files_->remove(path);  // on a full disk its space is needed
+      files_->remove(path);  // a full disk needs its space
     });
     throw;
   }
 }
 
-/// One rename makes room and one puts the new file in place: a file is complete under one of the
-/// two names all the time, also where the file system knows no links. A bad file that has a second
-/// name stays in place until then, so that a restart between the two finds it bad.
+/// The first rename moves the present file away, the second one puts the new file in its place: at
+/// any time there is a complete file under one of the two names, even on file systems without
+/// links. A bad file that also has the name `.damaged` is not moved away, so that a restart before
+/// the second rename still finds it bad.
 ParameterStore::Replaced ParameterStore::replace() {
   Replaced before{.was_bad = is_bad_, .name = file(is_bad_ ? ".damaged" : ".previous")};
   before.was_there = (is_bad_ && is_kept_) || move_away(before.name);
@@ -301,7 +303,8 @@ ParameterStore::Replaced ParameterStore::replace() {
   return before;
 }
 
-/// The request for this set is refused: the set must not be in force after a restart.
+/// Reverts a replacement, because its request is refused: the new set must not be used after a
+/// restart.
 void ParameterStore::take_back(const Replaced& replaced) {
   files_->rename(file(""), file(".new"));
   if (replaced.was_there) {
@@ -313,7 +316,7 @@ void ParameterStore::take_back(const Replaced& replaced) {
   }
 }
 
-/// @return whether there was a file.
+/// @return whether there was a file to move.
 bool ParameterStore::move_away(const std::filesystem::path& to) {
   try {
     files_->rename(file(""), to);

@@ -16,36 +16,37 @@
 
 namespace vdrive::service {
 
-/// What a store held when the service started.
+/// The content of a store when the service started.
 struct LoadedParameters {
   enum class Source : std::uint8_t {
-    nothing,   ///< nothing was ever stored, or nothing of it is left
-    current,   ///< the file
-    previous,  ///< the file before it
+    nothing,   ///< nothing was ever stored, or nothing usable is left
+    current,   ///< the current file
+    previous,  ///< the previous file
   };
 
   ParameterTable table;
   Source source = Source::nothing;
-  ParameterProblem problem = ParameterProblem::none;  ///< of the file
+  ParameterProblem problem = ParameterProblem::none;  ///< of the current file
   std::uint64_t number = 0;                           ///< see ParameterProblem
 };
 
-/// The stored parameters of one bench in a state directory. Blocks: not for the thread that ticks.
+/// The stored parameters of one bench in a state directory. Its calls block, so the tick thread
+/// must not use it.
 ///
-/// | file                    | holds                                                          |
+/// | file                    | content                                                        |
 /// | ----------------------- | -------------------------------------------------------------- |
-/// | `bench-N.parameters`    | what is stored                                                 |
-/// | `....previous`          | what was stored before                                         |
-/// | `....new`               | what is being written, or was when the power failed: ignored   |
-/// | `....damaged`           | a file that could not be used, kept aside                      |
-/// | `bench-N.lock`          | nothing; locked by the service that uses the others            |
+/// | `bench-N.parameters`    | the stored parameters                                          |
+/// | `....previous`          | the previously stored parameters                               |
+/// | `....new`               | a file being written, or left by a power failure; ignored      |
+/// | `....damaged`           | a file that could not be used, kept for inspection             |
+/// | `bench-N.lock`          | empty; locked by the service that uses the other files         |
 class ParameterStore {
  public:
-  /// Makes the directory if only its last part is missing, takes the rights of other users to it,
-  /// and locks the bench.
-  /// @throws ConfigurationError when it cannot be used, or another service uses the same bench,
-  ///         the directory or the lock file is another user's, or a link is in the place of one. In
-  ///         a directory that is read-only nothing is locked: `save` will fail there.
+  /// Creates the directory if only its last part is missing, removes the permissions of other
+  /// users, and locks the bench. In a read-only directory nothing is locked, and `save` will fail.
+  /// @throws ConfigurationError if the directory cannot be used, another service uses the same
+  ///         bench, the directory or the lock file belongs to another user, or one of them is a
+  ///         link that is not followed
   ParameterStore(std::filesystem::path directory, std::uint32_t bench,
                  std::unique_ptr<FileOperations> files = system_files());
   ~ParameterStore();
@@ -54,23 +55,24 @@ class ParameterStore {
 
   [[nodiscard]] const std::filesystem::path& directory() const noexcept { return directory_; }
 
-  /// Reads what is stored. Changes no file but the one that a damaged one is kept aside as.
+  /// Reads the stored parameters. Changes no files, except that a damaged file is also kept as
+  /// `.damaged`.
   [[nodiscard]] LoadedParameters load();
 
-  /// Replaces what is stored; when it returns it is durable. Whatever happens meanwhile, what was
-  /// stored before or the new table is there in full: the new one after an error only where it
-  /// could not be taken away again, or the machine loses its power before the next save.
-  /// @throws std::system_error when a file cannot be written, synced or renamed.
+  /// Replaces the stored parameters. When it returns, the new ones are durable. Whatever happens in
+  /// between, either the previous or the new table is complete on disk. After an error it is the
+  /// new one only if it could not be removed again, or if power fails before the next save.
+  /// @throws std::system_error if a file cannot be written, synced or renamed
   void save(const ParameterTable& table);
 
-  /// Keeps the present file under the name of a damaged one as well. A failure is logged.
+  /// Also keeps the present file as `.damaged`. A failure is logged.
   void keep_aside();
 
  private:
-  /// The file of before a save.
+  /// The file that a save has replaced.
   struct Replaced {
     bool was_bad = false;
-    std::filesystem::path name;  ///< its name now
+    std::filesystem::path name;  ///< its present name
     bool was_there = false;
   };
 
@@ -92,19 +94,19 @@ class ParameterStore {
   std::unique_ptr<FileOperations> files_;
   int lock_ = -1;
   bool is_bad_ = false;   ///< the present file must not become the previous one
-  bool is_kept_ = false;  ///< and has a second name
-  bool is_away_ = false;  ///< a save was cut short: the present file has the name of the previous
+  bool is_kept_ = false;  ///< the bad file also has the name `.damaged`
+  bool is_away_ = false;  ///< a save was interrupted: the present file is named `.previous`
 };
 
-/// @return the store of a bench in the directory that `--state`, or else $STATE_DIRECTORY of
-///         systemd (the first of several), names; nothing without either.
-/// @throws ConfigurationError as the constructor.
+/// @return the store of a bench in the directory given by `--state`, or else by $STATE_DIRECTORY of
+///         systemd (the first of several); nullptr if neither is given.
+/// @throws ConfigurationError as the constructor
 [[nodiscard]] std::unique_ptr<ParameterStore> open_parameter_store(
     const std::optional<std::string>& directory, std::uint32_t bench);
 
-/// Gives each axis of a bench its stored parameters. An axis whose values are not all usable keeps
-/// its configured ones and has fault 5530h; all axes have it when the file could not be used.
-/// @return what has to be reported.
+/// Gives each axis of a bench its stored parameters. An axis with an unusable value keeps its
+/// configured ones and has fault 5530h; so do all axes if the file could not be used.
+/// @return the events to report
 [[nodiscard]] std::vector<EventRecord> apply(const LoadedParameters& loaded,
                                              Configuration& configuration);
 
