@@ -13,13 +13,13 @@ namespace {
 
 using namespace std::chrono_literals;
 
-/// Authentication takes some 40 ms, on a busy machine more.
+/// Authentication takes some 40 ms, more on a busy machine.
 constexpr std::chrono::milliseconds kLongestMatch = 5s;
-/// How long a stranger continues to try after a member has matched, which it began before the
-/// member.
+/// How long the stranger, which starts before the member, keeps trying after the member has
+/// matched.
 constexpr std::chrono::milliseconds kLeeway = 100ms;
 
-/// Receives and publishes what benches publish about themselves.
+/// A participant that publishes and subscribes to bench_state.
 class Visitor {
  public:
   Visitor(const wire::NetworkSettings& settings, const std::string& name)
@@ -27,12 +27,12 @@ class Visitor {
         states_(*participant_, [](const msg::BenchState&, const wire::Source&) {}),
         own_states_(*participant_) {}
 
-  /// @return whether it receives what `other` publishes.
+  /// @return whether it receives from `other`.
   [[nodiscard]] bool receives_from(const wire::Source& other, std::chrono::milliseconds patience) {
     return states_.wait_for_match(other, patience);
   }
 
-  /// @return whether `other` receives what it publishes.
+  /// @return whether `other` receives from it.
   [[nodiscard]] bool is_received_by(const wire::Source& other, std::chrono::milliseconds patience) {
     return own_states_.wait_for_match(other, patience);
   }

@@ -7,12 +7,12 @@
 
 namespace vdrive::service {
 
-/// The self-test of the closed mode: a second participant with the material of `settings` finds
-/// `participant`, and a stranger without material, on the same interfaces, does not: neither
-/// receives from the other. `participant` publishes and subscribes to bench_state already. Takes
+/// The self-test of the closed mode: a second participant with the material of `settings` must
+/// match `participant`; a stranger without material, on the same interfaces, must not: neither may
+/// receive from the other. `participant` must already publish and subscribe to bench_state. Takes
 /// some 0.2 s.
-/// @throws wire::NetworkError when the bench would be open, or when those who are permitted do not
-///         find it either
+/// @throws wire::NetworkError if the bench would be open, or if permitted participants do not find
+///         it either
 void check_closed(wire::Participant& participant, const wire::NetworkSettings& settings);
 
 }  // namespace vdrive::service

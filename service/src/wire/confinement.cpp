@@ -19,7 +19,7 @@ namespace {
 
 using Filter = std::unique_ptr<void, decltype(&seccomp_release)>;
 
-/// What neither half does.
+/// System calls that neither engine nor wire needs.
 constexpr std::initializer_list<int> kForNobody{SCMP_SYS(execve),
                                                 SCMP_SYS(execveat),
                                                 SCMP_SYS(ptrace),
@@ -72,7 +72,7 @@ constexpr std::initializer_list<int> kFiles{SCMP_SYS(open),
                                             SCMP_SYS(name_to_handle_at),
                                             SCMP_SYS(open_by_handle_at)};
 
-/// Refuses a call whose first argument is anything but `allowed`.
+/// Refuses a call unless its first argument is `allowed`.
 int refuse_unless_first_is(const Filter& filter, int call, scmp_datum_t allowed) {
   const scmp_arg_cmp other{.arg = 0, .op = SCMP_CMP_NE, .datum_a = allowed, .datum_b = 0};
   return seccomp_rule_add_array(filter.get(), SCMP_ACT_ERRNO(EPERM), call, 1, &other);
@@ -89,7 +89,7 @@ int refuse(const Filter& filter, std::initializer_list<int> calls) {
 
 /// @return 0, or the library's negative error number.
 int load(const Filter& filter) {
-  // Every thread, also those that the DDS library has started.
+  // For all threads, including those of the DDS library.
   const int code = seccomp_attr_set(filter.get(), SCMP_FLTATR_CTL_TSYNC, 1);
   return code < 0 ? code : seccomp_load(filter.get());
 }
@@ -103,7 +103,7 @@ void log_failure(const char* half, int code) {
 
 void confine_engine(Network network) {
   prctl(PR_SET_NO_NEW_PRIVS, 1UL, 0UL, 0UL, 0UL);  // NOLINT(*-vararg)
-  // Without the privilege the filter alone has to do.
+  // Without the privilege, only the filter confines the engine.
   const bool has_own_network = network == Network::leave && unshare(CLONE_NEWNET) == 0;
   const Filter filter(seccomp_init(SCMP_ACT_ALLOW), &seccomp_release);
   int code = refuse(filter, kForNobody);
@@ -121,7 +121,7 @@ void confine_wire() {
   const Filter filter(seccomp_init(SCMP_ACT_ALLOW), &seccomp_release);
   int code = refuse(filter, kForNobody);
   code = code < 0 ? code : refuse(filter, kFiles);
-  if (code == 0) {  // an assertion signals its own process
+  if (code == 0) {  // a failed assertion has to signal its own process
     code = refuse_unless_first_is(filter, SCMP_SYS(tgkill), static_cast<scmp_datum_t>(getpid()));
   }
   code = code < 0 ? code : load(filter);

@@ -5,17 +5,17 @@
 
 namespace vdrive::service {
 
-/// Whether a process leaves the network interfaces of its machine.
+/// Whether a process gives up the network interfaces of its machine.
 enum class Network : std::uint8_t { leave, keep };
 
-/// Takes from this process, all of its threads and all that they start what an engine never needs:
-/// every socket but those of the machine itself (AF_UNIX), other programs, other processes'
-/// memory; with `leave`, where the kernel permits, the network interfaces too. Sockets that are
-/// open stay usable. What cannot be taken is logged and stays.
+/// Takes away from this process, its threads and its children what an engine never needs: all new
+/// sockets except AF_UNIX, starting programs, and the memory of other processes; with `leave`, if
+/// the kernel permits it, also the network interfaces. Open sockets stay usable. If a right cannot
+/// be taken away, this is logged and the right remains.
 void confine_engine(Network network);
 
-/// Likewise for a wire that has joined its domain: no file can be opened, made, moved or removed
-/// any more, no program started, and no other process signalled.
+/// The same for a wire that has joined its domain: from then on it cannot open, create, move or
+/// remove files, start programs, or signal other processes.
 void confine_wire();
 
 }  // namespace vdrive::service

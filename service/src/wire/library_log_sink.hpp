@@ -7,8 +7,8 @@
 
 namespace vdrive::service {
 
-/// @return a sink that logs a line a second, whatever arrives: what the library prints of a packet
-///         is the sender's to choose.
+/// @return a sink that logs at most one line a second, because any sender of packets can make the
+///         library print.
 [[nodiscard]] wire::LibraryLog::Sink log_of_the_library(std::uint32_t bench);
 
 }  // namespace vdrive::service

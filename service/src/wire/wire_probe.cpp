@@ -14,11 +14,11 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-/// A number that no bench has: every reader but the wire ignores the sample.
+/// A number that no bench has, so that all readers except the wire ignore the sample.
 constexpr std::uint32_t kNoBench = 0;
 
 wire::NetworkSettings of_a_probe(wire::NetworkSettings settings) {
-  settings.role = wire::Role::client;  // clients are nothing to it
+  settings.role = wire::Role::client;  // so that it does not discover clients
   return settings;
 }
 
@@ -40,14 +40,15 @@ class WireProbe::Endpoints {
     return publication_.wait_for_match(wire_, std::chrono::milliseconds(kPatience));
   }
 
-  /// Sends until a sample of the wire is here and `has_arrived`. @return false after `deadline`
+  /// Sends until a sample of the wire was received and `has_arrived()` is true.
+  /// @return false after `deadline`
   template <typename Condition>
   [[nodiscard]] bool exchanges(Clock::time_point deadline, const Condition& has_arrived) {
     msg::BenchState state;
     state.bench = kNoBench;
-    constexpr std::chrono::milliseconds kRepeat{50};  // best effort
+    constexpr std::chrono::milliseconds kRepeat{50};  // the topic is best effort
     std::unique_lock lock(mutex_);
-    has_received_ = false;  // what came since the last probe proves nothing
+    has_received_ = false;  // samples received before this probe prove nothing
     while (Clock::now() < deadline) {
       if (has_received_ && has_arrived()) return true;
       lock.unlock();

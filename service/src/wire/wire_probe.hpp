@@ -9,12 +9,13 @@
 
 namespace vdrive::service {
 
-/// Tests from outside whether a wire still discovers, receives and sends: as a participant of its
-/// own it makes a new reader and a new writer, which the wire has to find, sends the wire a sample
-/// and waits for one of its samples. Threads that exist and sockets that are open prove none of
-/// this. With a discovery server the reader and the writer stay the same: a server that is away
-/// must not end a wire that its clients still have. Then only the first probe shows discovery, and
-/// while no server is there it shows nothing.
+/// Tests from outside whether a wire still discovers, receives and sends: as a separate participant
+/// it creates a new reader and a new writer, which the wire must discover, sends the wire a sample
+/// and waits for one from it. Existing threads and open sockets would prove none of this.
+///
+/// With a discovery server the reader and the writer stay the same, because a server that is away
+/// must not end a wire that its clients can still reach. Then only the first probe tests discovery,
+/// and while no server answers it tests nothing.
 class WireProbe {
  public:
   /// How long one probe waits.
@@ -27,8 +28,8 @@ class WireProbe {
   WireProbe(const WireProbe&) = delete;
   WireProbe& operator=(const WireProbe&) = delete;
 
-  /// @return whether a probe came through in both directions. Takes what discovery takes, some
-  ///         10 ms, and the time to the next state of the bench.
+  /// Takes the time of discovery, some 10 ms, and the time until the next state of the bench.
+  /// @return whether a probe arrived in both directions
   [[nodiscard]] bool comes_through();
 
  private:
@@ -38,7 +39,7 @@ class WireProbe {
   const bool depends_on_server_;
   std::unique_ptr<wire::Participant> participant_;
   std::unique_ptr<Endpoints> endpoints_;  ///< of the last probe
-  bool was_found_ = false;                ///< the wire, once
+  bool was_found_ = false;                ///< the probe has discovered the wire at least once
 };
 
 }  // namespace vdrive::service

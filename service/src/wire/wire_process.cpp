@@ -32,15 +32,15 @@ using namespace std::chrono_literals;
 
 constexpr auto kPumpInterval = 20ms;
 constexpr auto kRetryInterval = 1ms;
-/// Between two rounds of status that is late: 1 GB a second, at which a reader keeps up. What is
-/// sent faster overflows the buffers of their sockets.
+/// The pause between two rounds when status is late: limits it to 1 GB a second, at which readers
+/// keep up. Faster sending overflows their socket buffers.
 constexpr auto kBetweenRounds = 500us;
 constexpr auto kProbeInterval = 500ms;
 constexpr auto kWaitForReaders = 150ms;
 
-/// The kernel's choice, should memory run out, is the half that can be started again.
+/// If memory runs out, the kernel should kill the wire, because it can be restarted.
 void volunteer_for_the_kernel() {
-  constexpr std::string_view kFirst = "500";  // as if it used half of the memory more
+  constexpr std::string_view kFirst = "500";  // counts as 50 % more of the total memory
   const int file = open("/proc/self/oom_score_adj", O_WRONLY | O_CLOEXEC);  // NOLINT(*-vararg)
   if (file >= 0) {
     if (write(file, kFirst.data(), kFirst.size()) < 0) {
@@ -52,17 +52,18 @@ void volunteer_for_the_kernel() {
   }
 }
 
-/// Reads the memory of this process from a file that stays open: later none can be opened.
+/// Reads the memory of this process from a file that stays open, because none can be opened after
+/// confine_wire().
 class MemoryGauge {
  public:
   MemoryGauge() : file_(open("/proc/self/statm", O_RDONLY | O_CLOEXEC)) {}  // NOLINT(*-vararg)
 
-  /// @return resident memory without what is shared with the engine [bytes].
+  /// @return resident memory without the part shared with the engine [bytes].
   [[nodiscard]] std::uint64_t resident() const noexcept {
     std::array<char, 128> text{};
     const ssize_t size = pread(file_, text.data(), text.size(), 0);
     if (size <= 0) return 0;
-    // Pages: size, resident, shared.
+    // In pages: size, resident, shared.
     std::array<std::uint64_t, 3> pages{};
     const char* place = text.data();
     const char* const end = place + size;
@@ -78,8 +79,8 @@ class MemoryGauge {
   int file_;
 };
 
-/// Later no file can be opened: without this a list of name servers that changes would be read as
-/// an empty one (resolv.conf(5)). Before there is a thread.
+/// Disables reloading of resolv.conf(5): after confine_wire() it cannot be opened, so a changed
+/// list of name servers would be read as an empty one. Call it before there are threads.
 void keep_name_servers() {
   constexpr const char* kOptions = "RES_OPTIONS";
   const char* const given = std::getenv(kOptions);  // NOLINT(concurrency-mt-unsafe)
@@ -125,7 +126,7 @@ class WireProcess {
     status.join();
     reports.join();
     announce_own_end();
-    // The library's own end may hang, and every reader has the last message.
+    // No destructors: those of the library may hang, and all readers have the last message.
     _exit(0);
   }
 
@@ -145,7 +146,7 @@ class WireProcess {
     }
   }
 
-  /// Replies go first in every round: no answer waits behind a burst of reports.
+  /// Replies are sent first in every round, so that no answer waits for a burst of reports.
   void pump_reports() {
     Doorbell bell(control_.reports_bell);
     bool has_more = false;
@@ -158,7 +159,7 @@ class WireProcess {
     }
   }
 
-  /// As many rounds as the slower pump has made.
+  /// Publishes the number of rounds of the slower pump.
   void beat() noexcept {
     control_.pump_beats.store(std::min(status_rounds_.load(std::memory_order_relaxed),
                                        report_rounds_.load(std::memory_order_relaxed)));
@@ -173,7 +174,7 @@ class WireProcess {
     }
   }
 
-  /// @param known those that are in the log
+  /// @param known the troubles that are already in the log; updated
   void log_troubles(std::vector<std::string>& known) {
     std::vector<std::string> troubles = program_.participant().troubles();
     for (const std::string& trouble : troubles) {
@@ -198,7 +199,7 @@ class WireProcess {
   WireControl& control_;
   WireSettings settings_;
   std::uint32_t generation_;
-  std::uint64_t dropped_before_;  ///< dropped by the wires before this one
+  std::uint64_t dropped_before_;  ///< datagrams dropped by earlier wires
   WireProgram program_;
   WireProbe probe_;
   std::atomic<std::uint64_t> status_rounds_{0};
@@ -227,7 +228,8 @@ int run_wire_process(int region_descriptor) {
     spdlog::set_level(spdlog::level::from_str(settings.log_level));
     const wire::LibraryLog library_log(log_of_the_library(settings.bench));
     if (control.generation.load() > 1) {
-      // The one before could not announce its end, and answers would wait for its readers.
+      // The previous wire could not announce its end; until participants notice it, answers would
+      // wait for their readers.
       wire::announce_end(settings.network, control.source);
       wire::announce_end(settings.network, control.prober);
     }
@@ -235,7 +237,7 @@ int run_wire_process(int region_descriptor) {
     return process.run();
   } catch (const std::exception& error) {
     report_error(control, error.what());
-    if (control.generation.load() > 1) {  // the engine prints why the first one does not start
+    if (control.generation.load() > 1) {  // for the first wire, the engine reports the reason
       log_error("wire=failed text=\"{}\"", error.what());
     }
     control.state.store(WireState::failed);

@@ -3,10 +3,11 @@
 
 namespace vdrive::service {
 
-/// A wire as a process of its own: `vdrived --wire-process DESCRIPTOR`, started by the service
-/// only. Ends with the engine, at its order, or with a fault of the DDS library.
-/// @param region descriptor of the memory that it shares with the engine
-/// @return exit code: 0 at the engine's order, 1 when it could not start; the region has the reason
+/// Runs a wire in its own process: `vdrived --wire-process DESCRIPTOR`, started by the service
+/// only. Ends with the engine, when the engine orders it, or by a fault of the DDS library.
+/// @param region descriptor of the memory shared with the engine
+/// @return exit code: 0 if ended by the engine, 1 if it could not start; the reason is in the
+/// region
 int run_wire_process(int region);
 
 }  // namespace vdrive::service

@@ -20,10 +20,10 @@ namespace {
 using wire::Topic;
 using wire::TopicId;
 
-/// How the name of the participant of a service begins; its bench follows.
+/// Prefix of the participant name of a service, followed by its bench number.
 constexpr std::string_view kService = "vdrived ";
 
-/// A refused datagram is logged at most once a second, with its sender.
+/// Logs refused datagrams with their sender, at most one a second.
 wire::NetworkSettings of_a_service(const WireSettings& settings) {
   wire::NetworkSettings network = settings.network;
   network.role = wire::Role::service;
@@ -39,7 +39,7 @@ wire::NetworkSettings of_a_service(const WireSettings& settings) {
   return network;
 }
 
-/// @return the number of the bench that a sample is about, or nothing.
+/// @return the bench number in a sample, or nullopt.
 std::optional<std::uint32_t> bench_of(std::span<const std::byte> sample, TopicId topic) noexcept {
   const std::size_t offset = wire::traits_of(topic).bench_offset;
   if (sample.size() < offset + sizeof(std::uint32_t)) return std::nullopt;
@@ -66,18 +66,18 @@ WireProgram::WireProgram(const WireRegion& region, const WireSettings& settings)
       arrivals_(region.ring(Lane::arrivals), region.ring(Lane::turned_away)),
       notices_(region.ring(Lane::notices)),
       arrivals_bell_(control_.arrivals_bell) {
-  // The engine reports anew to each wire, and old status is of no use. Answers stay: clients wait
-  // for them.
+  // The engine repeats its reports to each wire, and old status is of no use. Answers are kept,
+  // because clients wait for them.
   status_.clear();
   reports_.clear();
   control_.source = participant_->source();
   for (std::size_t number = 0; number < wire::kTopics.size(); ++number) {
     const auto topic = static_cast<TopicId>(number);
-    const bool is_optional = topic == Topic<msg::BenchSession>::kId;  // of exchange_names
+    const bool is_optional = topic == Topic<msg::BenchSession>::kId;  // see exchange_names()
     if (wire::kTopics[number].publisher == wire::Publisher::service && !is_optional) publish(topic);
   }
-  // Only where a second bench could have this number: if a thousand benches share a bus, each would
-  // hear all the others.
+  // Only if a second bench could have this number: with a thousand benches on one bus, each would
+  // receive the states of all others.
   if (participant_->presence().may_have_double()) {
     subscribe(Topic<msg::BenchState>::kId, Lane::notices);
   }
@@ -95,8 +95,8 @@ void WireProgram::publish(TopicId topic) {
       });
 }
 
-/// A bench whose permissions are from before these topics runs, and knows nobody's name. The
-/// service of a bench publishes no name that it did not receive.
+/// A bench whose permissions are older than these topics still runs, but without names of sessions.
+/// A service only publishes names that it has received.
 void WireProgram::exchange_names() {
   try {
     publish(Topic<msg::BenchSession>::kId);
@@ -107,7 +107,7 @@ void WireProgram::exchange_names() {
   }
 }
 
-/// Nothing arrives any more before the rings go.
+/// Ends the subscriptions first, so that nothing arrives while the rings are destroyed.
 WireProgram::~WireProgram() {
   subscriptions_.clear();
 }
@@ -148,7 +148,8 @@ void WireProgram::deliver(LaneSubscription& incoming, const wire::Source& source
   arrivals_bell_.ring();
 }
 
-/// Behind the state of another service stands where that service runs, as far as it says it.
+/// In the ring, the state of another service is followed by the place where that service runs, if
+/// it is known.
 void WireProgram::put_notice(const LaneSubscription& incoming, const wire::Source& source) {
   constexpr std::size_t kLongestPlace = 128;
   std::string place;
@@ -172,8 +173,9 @@ void WireProgram::put_notice(const LaneSubscription& incoming, const wire::Sourc
 void WireProgram::show(TopicId topic, const std::vector<wire::Source>& readers) {
   control_.matched[static_cast<std::size_t>(topic)].store(
       static_cast<std::uint32_t>(readers.size()), std::memory_order_relaxed);
-  // A client that may not know all benches yet searches for longer than a state takes, and each
-  // additional state goes to every reader. One that knows them all waits for the state only.
+  // If clients may not know all benches yet, they search for longer than the interval of states,
+  // and an additional state would only burden all readers. Otherwise a new client only waits for
+  // the state.
   if (topic == Topic<msg::BenchState>::kId && !participant_->presence().may_miss_some()) {
     control_.is_state_wanted = true;
   }
@@ -191,8 +193,8 @@ void WireProgram::expect_probes_from(const wire::Source& source) {
 
 // ---- what leaves -------------------------------------------------------------------------------
 
-/// A round has an end also while the engine fills the lane as fast as it is emptied: between rounds
-/// the calling thread counts its progress and serves the other lanes.
+/// A round is limited even if the engine fills the lane as fast as it is emptied, because between
+/// rounds the calling thread counts its progress and serves other lanes.
 bool WireProgram::drain(Lane lane) {
   ByteRing& ring = lane == Lane::status ? status_ : lane == Lane::replies ? replies_ : reports_;
   std::size_t sent = 0;
@@ -212,12 +214,12 @@ void WireProgram::send(const ByteRing::Record& record) {
   if (!try_send(record.head, record.bytes)) hold(record);
 }
 
-/// @return false when its reader is not known yet.
+/// @return false if the reader has not been discovered yet.
 bool WireProgram::try_send(const RecordHead& head, std::span<const std::byte> bytes) {
   const auto topic = wire::topic_numbered(head.topic);
   wire::SampleWriter* const publication =
       topic ? publications_[static_cast<std::size_t>(*topic)].get() : nullptr;
-  if (publication == nullptr) {  // the engine wrote what it never writes
+  if (publication == nullptr) {  // the record is invalid
     control_.not_sent.fetch_add(1, std::memory_order_relaxed);
     return true;
   }
@@ -228,7 +230,7 @@ bool WireProgram::try_send(const RecordHead& head, std::span<const std::byte> by
   return true;
 }
 
-/// A client that never reads, or that has gone, fills its own places and those of no other client.
+/// A client that never reads, or is gone, only fills its own places, not those of other clients.
 void WireProgram::hold(const ByteRing::Record& record) {
   std::size_t& count = held_for_[record.head.party.participant];
   if (held_.size() >= kMostHeld || count >= kMostHeldForOne) {
@@ -264,7 +266,7 @@ void WireProgram::drop(const RecordHead& head) {
 }
 
 bool WireProgram::wait_for_readers(std::chrono::milliseconds timeout) {
-  // A reader that learns first that the participant has ended drops a reply that it has not read.
+  // A reader that learns of the end of the participant drops the replies that it has not read yet.
   constexpr std::array kTopics{Topic<msg::BenchDescription>::kId, Topic<msg::Reply>::kId,
                                Topic<msg::CommandReply>::kId};
   const auto deadline = Clock::now() + timeout;

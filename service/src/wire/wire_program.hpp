@@ -23,25 +23,25 @@
 
 namespace vdrive::service {
 
-/// The wire of a bench: everything that names DDS, between the rings of a region and the topics. It
-/// decodes no message and keeps no state of the bench: another one can take its place at any time.
-/// Its threads are those of the library, which bring what arrives, and the callers of `drain`.
+/// The wire of a bench: passes samples between the rings of a region and the DDS topics. It decodes
+/// no messages and keeps no state of the bench, so another wire can replace it at any time. It runs
+/// in the receive threads of the library and in the callers of `drain`.
 class WireProgram final : public LaneSender {
  public:
   /// How long an answer waits for its reader.
   static constexpr std::chrono::seconds kLongestWait{1};
-  /// How many answers wait for their readers, and how many of them for one.
+  /// The maximum number of answers that wait for their readers, in all and for one reader.
   static constexpr std::size_t kMostHeld = 256;
   static constexpr std::size_t kMostHeldForOne = 16;
 
-  /// Joins the domain. What left the engine for an earlier wire is dropped, except answers.
+  /// Joins the domain. Drops the output of the engine for an earlier wire, except answers.
   /// @throws wire::NetworkError
   WireProgram(const WireRegion& region, const WireSettings& settings);
   ~WireProgram() override;
   WireProgram(const WireProgram&) = delete;
   WireProgram& operator=(const WireProgram&) = delete;
 
-  /// What one call of `drain` sends at most; a record more in any case.
+  /// The limits of one call of `drain`; the record that exceeds the number of bytes is still sent.
   static constexpr std::size_t kMostInOneRound = 256;
   static constexpr std::size_t kMostBytesInOneRound = std::size_t{512} * 1'024;
 
@@ -49,18 +49,18 @@ class WireProgram final : public LaneSender {
 
   [[nodiscard]] bool is_holding() const noexcept override { return !held_.empty(); }
 
-  /// Waits until every reader has the description of the bench and the replies. @return false on
-  /// time-out.
+  /// Waits until all readers have the description of the bench and the replies.
+  /// @return false on timeout
   bool wait_for_readers(std::chrono::milliseconds timeout);
 
   [[nodiscard]] wire::Participant& participant() noexcept { return *participant_; }
 
-  /// What comes from `source` is a probe: counted, and not passed on.
+  /// From now on, samples from `source` are probes: they are counted and not passed on.
   void expect_probes_from(const wire::Source& source);
 
   [[nodiscard]] std::uint64_t probes_received() const noexcept { return probes_received_; }
 
-  /// @return datagrams that the guard of the participant dropped.
+  /// @return the number of datagrams dropped by the guard of the participant.
   [[nodiscard]] std::uint64_t datagrams_dropped() const {
     return participant_->guard_counts().all_refused();
   }
@@ -68,14 +68,14 @@ class WireProgram final : public LaneSender {
  private:
   using Clock = std::chrono::steady_clock;
 
-  /// An answer whose reader is not known yet.
+  /// An answer whose reader has not been discovered yet.
   struct Held {
     RecordHead head;
     std::vector<std::byte> bytes;
     Clock::time_point deadline;
   };
 
-  /// Brings the samples of a topic into a ring.
+  /// Puts the samples of a topic into a ring.
   struct LaneSubscription {
     wire::TopicId topic{};
     Lane lane = Lane::arrivals;
@@ -97,10 +97,10 @@ class WireProgram final : public LaneSender {
 
   WireControl& control_;
   std::uint32_t bench_;
-  bool is_open_;        ///< no permissions
+  bool is_open_;        ///< open mode: there are no permissions
   std::mutex showing_;  ///< several threads of the library report matches
   std::unique_ptr<wire::Participant> participant_;
-  std::vector<std::unique_ptr<wire::SampleWriter>> publications_;  ///< by TopicId, or nothing
+  std::vector<std::unique_ptr<wire::SampleWriter>> publications_;  ///< by TopicId; some are nullptr
   ByteRing status_;
   ByteRing replies_;
   ByteRing reports_;
