@@ -19,26 +19,28 @@ namespace {
 
 using namespace std::chrono_literals;
 
-/// The thread that publishes the status wakes this long after the tick is due, and then again at
-/// this distance.
+/// The status thread wakes this long after a tick is due, and sleeps at least this long.
 constexpr std::chrono::microseconds kAfterTick = 60us;
-/// While time stands no tick is due, and the last status still leaves.
+/// The longest sleep of the status thread: while time stands still no tick is due, but the last
+/// status still has to be sent.
 constexpr std::chrono::milliseconds kLongestNap = 5ms;
-/// News of the wire, and reports that are due by time, ring no bell.
+/// The longest sleep of the reporter: news of the wire and periodic reports do not ring its bell.
 constexpr std::chrono::milliseconds kLongestReportNap = 5ms;
-/// No bell rings either when the reader of a held answer is there.
+/// The same while an answer waits for its reader, whose appearance does not ring the bell either.
 constexpr std::chrono::milliseconds kHeldReplyNap = 1ms;
-/// The least time between two rounds of the reports, and in freerun between two of the status. In
-/// freerun each of 100,000 ticks a second may leave an answer: what came meanwhile leaves together.
+/// The minimum time between two rounds of reports, and in freerun between two rounds of status. In
+/// freerun each of 100,000 ticks a second may produce an answer; those of a round are sent
+/// together.
 constexpr std::chrono::microseconds kReportNap = 500us;
-/// The wire sends what is in its lanes, such as the last states and the end of the bench.
+/// The time for the wire to send what is in its lanes, such as the last states and the end of the
+/// bench.
 constexpr std::chrono::milliseconds kTimeOfLastSamples = 200ms;
-/// The same where no axis had to brake: of the 2 s that an end may take more is left, and a client
-/// on a busy machine waits for the reason of its step.
+/// The same in lock-step, where no axis had to brake, so more of the 2 s for an end is left. A
+/// client on a busy machine may still be waiting for the refusal of its step.
 constexpr std::chrono::milliseconds kTimeOfLastSamplesInLockstep = 1s;
 
-/// Later than those of all benches that this process has made, also where the wall clock is coarse
-/// or was set back.
+/// @return an incarnation later than those of all earlier benches of this process, even if the wall
+///         clock is coarse or was set back.
 std::uint64_t new_incarnation(std::chrono::nanoseconds now) noexcept {
   static std::atomic<std::uint64_t> last{0};
   std::uint64_t before = last;
@@ -50,7 +52,7 @@ std::uint64_t new_incarnation(std::chrono::nanoseconds now) noexcept {
 }
 
 void prepare_tick_thread(int priority) {
-  prctl(PR_SET_TIMERSLACK, 1UL);  // the default lets the kernel wake it 50 us late
+  prctl(PR_SET_TIMERSLACK, 1UL);  // by default the kernel may wake it 50 us late
   if (priority == 0) return;
   const sched_param parameters{.sched_priority = priority};
   if (pthread_setschedparam(pthread_self(), SCHED_FIFO, &parameters) != 0) {
@@ -166,8 +168,8 @@ void BenchRun::stop() noexcept {
   reports_doorbell_.ring();
   for (auto& thread : threads_) thread.join();
   threads_.clear();
-  const std::scoped_lock lock(working_);  // a caller that runs the bench leaves it at the next tick
-  // Of a bench in a process a step that waits is lost with the bench, as every other call is.
+  const std::scoped_lock lock(working_);  // a caller that runs the bench returns at the next tick
+  // With a bench in the user's process, waiting steps are lost with the bench, as all other calls.
   if (lockstep_ && !works_in_callers()) lockstep_->end();
   switch_off();
   finish_stores();
@@ -184,7 +186,7 @@ void BenchRun::stop() noexcept {
   log_info("bench={} offline", identity_.bench);
 }
 
-/// Requests that arrived while the service ended are stored and answered too.
+/// Also stores and answers requests that arrived while the service was ending.
 void BenchRun::finish_stores() noexcept {
   if (parameters_.saver) parameters_.saver->close();
   while (engine_.answer_stores()) replies_.deliver(inbox_, outbox_);
@@ -216,7 +218,7 @@ void BenchRun::start_freerun() {
 }
 
 /// @param priority of the tick thread, 0 = none
-/// @param cycle runs one cycle of the driver; @return whether it did what it should
+/// @param cycle runs one cycle of the driver and returns whether it made progress
 template <typename Cycle>
 void BenchRun::start_ticking(int priority, Cycle cycle) {
   start_thread([this, priority, cycle] {
@@ -254,15 +256,15 @@ void BenchRun::start_lockstep() {
 }
 
 wire::LocalWork BenchRun::work() {
-  // A thread does not work for others as long as they send. What is left belongs to threads that
-  // wait, and they come again.
+  // Limits how long a thread works for others. Whatever is left belongs to threads that wait for
+  // it, and those call work() again.
   constexpr int kMostRounds = 8;
   if (!works_in_callers()) return wire::LocalWork::none;
   const WorksFor bench(name_.c_str());
   int rounds = 0;
   is_work_wanted_ = true;
-  // Whoever finds the lock taken leaves: the thread that has it looks again after it has given it
-  // back.
+  // A thread that finds the lock taken returns; the thread that holds it checks again after it has
+  // released it.
   while (is_work_wanted_ && rounds < kMostRounds) {
     const std::unique_lock lock(working_, std::try_to_lock);
     if (!lock.owns_lock()) return rounds > 0 ? wire::LocalWork::done : wire::LocalWork::elsewhere;
@@ -288,10 +290,10 @@ void BenchRun::publish_waiting_status() {
   }
 }
 
-/// After the last thread has ended. Axes that still have power, because there was no time to
-/// brake, lose it in one last tick; every receiver on a network sees it. For the sessions of its
-/// own process the bench is gone: a wait that saw an axis without power first would say so, and not
-/// that the bench is lost.
+/// Called after the last thread has ended. Axes that still have power, because there was no time to
+/// brake, lose it in one last tick, whose status is published on the network. Sessions in the
+/// process of the bench do not get that status: a wait would report an axis without power instead
+/// of the loss of the bench.
 void BenchRun::switch_off() noexcept {
   publish_waiting_status();
   if (engine_.has_power()) {
@@ -325,7 +327,7 @@ void BenchRun::report() {
                                .tick = counters_.tick.get(),
                                .detail = Label{*older}}});
     }
-    // In lock-step another thread answers.
+    // In lock-step another thread sends the answers.
     const bool holds_reply = !lockstep_ && replies_.is_waiting();
     if (reports_doorbell_.wait_for(holds_reply ? kHeldReplyNap : kLongestReportNap)) {
       timer_.wait_until(earliest);
@@ -365,8 +367,8 @@ void BenchRun::supervise_wire() {
   counters_.queue_overflows.add(lost - std::exchange(lost_in_wire_, lost));
 }
 
-/// Sleeps until shortly after the next tick, for 60 us to 5 ms. Without readers always 5 ms, for
-/// which the images have room: they only have to be left out.
+/// Sleeps until shortly after the next tick, for 60 us to 5 ms. In real time without readers always
+/// for 5 ms: the queue of images has room for that, and they only have to be skipped.
 void BenchRun::wait_for_status() {
   const auto now = timer_.monotonic_now();
   if (realtime_ && !status_.has_readers()) {

@@ -44,93 +44,94 @@
 
 namespace vdrive::service {
 
-/// Another service has this bench number and started earlier.
+/// Another service that started earlier has this bench number.
 class BenchNumberTaken : public std::runtime_error {
  public:
   using std::runtime_error::runtime_error;
 };
 
-/// Who runs a bench in lock-step. In other clock modes it always has threads of its own.
+/// Which threads run a bench in lock-step. In other clock modes it always has its own threads.
 enum class LockstepThreads : std::uint8_t {
-  own,      ///< a thread that steps and one that reports
-  callers,  ///< none: `BenchRun::work` runs in the threads of the clients
+  own,      ///< a thread that steps and a thread that reports
+  callers,  ///< none: clients call `BenchRun::work` in their threads
 };
 
-/// A bench that runs: the engine, its clock, its journal and stores, the encoding of what leaves,
-/// the threads of all these, and a wire of any kind.
+/// A running bench: the engine, its clock, its journal and stores, the encoding of its output, the
+/// threads of all these, and a wire of any kind.
 ///
-/// | thread    | does                                                              |
+/// | thread    | work                                                              |
 /// | --------- | ----------------------------------------------------------------- |
-/// | tick      | nothing but ticks; lock-step: steps, replies and status           |
-/// | status    | not in lock-step: encodes status frames and samples of axes       |
-/// | reporter  | events, parameters, bench_state, the wire's health; not in        |
-/// |           | lock-step: replies                                                |
-/// | journal   | writes the journal, where there is one                            |
-/// | saver     | saves parameters, where there is a place to save them             |
+/// | tick      | only ticks; in lock-step: steps, replies and status               |
+/// | status    | encodes status frames and samples of axes; not in lock-step       |
+/// | reporter  | events, parameters, bench_state, the wire's health; replies,      |
+/// |           | except in lock-step                                               |
+/// | journal   | writes the journal, if there is one                               |
+/// | saver     | saves parameters, if there is a store                             |
 class BenchRun {
  public:
   using MakeWire =
       std::function<std::unique_ptr<BenchWire>(const Configuration& configuration, Counters&)>;
 
-  /// Sets everything up; the bench is not announced yet.
-  /// @param configuration was checked
-  /// @param journal takes the journal of this run; nothing = none is written
-  /// @param store what is stored in it is in force; nothing = nothing can be stored
-  /// @throws std::invalid_argument when the bank refuses an axis, wire::NetworkError
+  /// Sets everything up, but does not announce the bench yet.
+  /// @param configuration must have been checked
+  /// @param journal takes the journal of this run; nullptr = no journal
+  /// @param store the axes start with the parameters stored in it; nullptr = nothing can be stored
+  /// @throws std::invalid_argument if the bank refuses an axis; wire::NetworkError
   BenchRun(Configuration configuration, JournalSink journal, std::unique_ptr<ParameterStore> store,
            const MakeWire& make_wire, LockstepThreads lockstep_threads = LockstepThreads::own);
 
-  /// Stops.
+  /// Stops as stop() does.
   ~BenchRun();
   BenchRun(const BenchRun&) = delete;
   BenchRun& operator=(const BenchRun&) = delete;
 
   /// Announces the bench and runs it.
-  /// @throws BenchNumberTaken when an older service has the number; wire::NetworkError;
-  ///         std::system_error when the journal cannot be begun.
+  /// @throws BenchNumberTaken if an older service has the number; wire::NetworkError;
+  ///         std::system_error if the journal cannot be written
   void start();
 
-  /// Lock-step in the threads of callers: takes what arrived, lets time pass as far as the steps
-  /// allow, and answers, unless another thread does so at this moment. That thread takes what
-  /// arrived meanwhile, too, but not for ever. A bench with threads of its own leaves nothing to
-  /// callers. Any thread; never waits.
+  /// For lock-step in the threads of callers: handles arrivals, lets time pass as far as the steps
+  /// allow, and answers, unless another thread is doing so. That thread then also handles what has
+  /// arrived in the meantime, up to a limit. Does nothing for a bench with its own threads. Any
+  /// thread; never waits.
   wire::LocalWork work();
 
-  /// @return whether clients may send: half of the queue of arrivals is free. Any thread.
+  /// @return whether clients may send, because half of the queue of arrivals is free. Any thread.
   [[nodiscard]] bool has_room() const noexcept { return inbox_.has_room(); }
 
   [[nodiscard]] bool has_run() const noexcept { return liveness_.has_begun(); }
 
   [[nodiscard]] bool is_alive() noexcept { return liveness_.has_advanced(); }
 
-  /// @return whether clients are told of the bench: from its announcement until it begins to end.
-  /// Any thread.
+  /// @return whether the bench is announced: from its start until it begins to end. Any thread.
   [[nodiscard]] bool is_announced() const noexcept { return is_announced_; }
 
-  /// @return what the threads of the bench count, once it is announced. Any thread.
+  /// @return the progress counters of the threads, once the bench is announced. Any thread.
   [[nodiscard]] const std::vector<Beats>& beats() const noexcept { return beats_; }
 
-  /// From here on commands are refused and the axes brake, see Shutdown. Idempotent.
+  /// Starts to refuse commands and to brake the axes, see Shutdown. Idempotent.
   void begin_shutdown() noexcept {
     is_announced_ = false;
     shutdown_.begin();
   }
 
-  /// In lock-step no client steps any more: no drive time is left to brake in.
+  /// @return whether the axes have come to rest or cannot be braked: in lock-step no client steps
+  ///         any more, so there is no drive time left to brake in.
   [[nodiscard]] bool is_shut_down() const noexcept { return lockstep_ || shutdown_.is_done(); }
 
-  /// Ends what runs in threads of callers at the next tick; `stop` does the rest. Any thread.
+  /// Makes `work` return at the next tick in all threads of callers; `stop` does the rest. Any
+  /// thread.
   void begin_end() noexcept { stop_ = true; }
 
-  /// Takes the power from every axis at once, publishes that the bench is offline and ends every
-  /// thread. Idempotent.
+  /// Removes the power of all axes immediately, announces that the bench is offline and ends all
+  /// threads. Idempotent.
   void stop() noexcept;
 
   [[nodiscard]] std::optional<std::uint64_t> conflict() const noexcept {
     return duplicates_.conflict();
   }
 
-  /// @return who that service is, see DuplicateNumberDetector.
+  /// @return a description of the older service, see DuplicateNumberDetector.
   [[nodiscard]] std::string older_text() const { return duplicates_.older_text(); }
 
   [[nodiscard]] bool is_reachable() const noexcept { return counters_.wire_is_up.get() != 0; }
@@ -144,11 +145,11 @@ class BenchRun {
   [[nodiscard]] const Counters& counters() const noexcept { return counters_; }
 
  private:
-  /// Stored parameters: loaded before there are axes, saved by a thread of their own.
+  /// Stored parameters: loaded before the axes are created, saved by a separate thread.
   struct StoredParameters {
     StoredParameters(std::unique_ptr<ParameterStore> store, Configuration& configuration);
 
-    std::vector<EventRecord> news;  ///< to be reported once
+    std::vector<EventRecord> news;  ///< to report once
     std::optional<std::filesystem::path> directory;
     std::optional<ParameterSaver> saver;
   };
@@ -172,18 +173,18 @@ class BenchRun {
   void switch_off() noexcept;
   void report_once();
   void report();
-  /// @return whether some may be left.
+  /// @return whether more notices may be left.
   bool receive_notices();
   void supervise_wire();
   void wait_for_status();
 
-  // In the order of construction; everything the threads use outlives them.
+  // In the order of construction. Everything that the threads use outlives them.
   Configuration configuration_;
   LockstepThreads lockstep_threads_;
   StoredParameters parameters_;
   SystemCycleTimer timer_;
   BenchIdentity identity_;
-  const std::string name_;  ///< in messages of asserts
+  const std::string name_;  ///< for messages of assertions
   Counters counters_;
   std::unique_ptr<BenchWire> wire_;
   ByteRing notices_;
@@ -202,11 +203,11 @@ class BenchRun {
   std::optional<FreerunDriver> freerun_;
   Doorbell doorbell_;
   BellState reports_bell_;
-  Doorbell reports_doorbell_;       ///< the tick thread rings it for what reports and replies leave
+  Doorbell reports_doorbell_;       ///< the tick thread rings it when there are reports or replies
   std::uint64_t lost_in_wire_ = 0;  ///< already counted as overflows
   std::uint64_t dropped_by_wire_ = 0;  ///< already counted as dropped datagrams
   Shutdown shutdown_{engine_, timer_};
-  Counter tick_beats_;    ///< ticks; while paused, passes over the inbox
+  Counter tick_beats_;    ///< ticks; while paused, checks of the inbox
   Counter status_beats_;  ///< published images
   Counter report_beats_;  ///< rounds
   std::vector<Beats> beats_{

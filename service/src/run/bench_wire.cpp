@@ -13,7 +13,8 @@ namespace vdrive::service {
 
 namespace {
 
-/// Programs may live on several hosts, and in containers, whose name of the host is their own.
+/// Contains the host name, because programs may run on several hosts and in containers, which have
+/// their own host names.
 std::string place_of_this_process() {
   constexpr std::size_t kLongestName = 64;  // of Linux
   std::array<char, kLongestName + 1> host{};

@@ -12,8 +12,8 @@
 
 namespace vdrive::service {
 
-/// How clients reach a bench: a process that names DDS, threads of this one, or the local bus of
-/// this process. It meets the engine in the rings of its region.
+/// How clients reach a bench: by DDS in a separate process or in threads of this one, or by the
+/// local bus of this process. It is connected to the engine by the rings of its region.
 class BenchWire {
  public:
   BenchWire() = default;
@@ -24,30 +24,30 @@ class BenchWire {
   [[nodiscard]] virtual const WireRegion& region() const noexcept = 0;
   [[nodiscard]] virtual WireLink& link() noexcept = 0;
 
-  /// Returns when it runs.
+  /// Starts the wire and returns when it runs.
   /// @throws wire::NetworkError
   virtual void start() = 0;
 
-  /// @return wall time that shows whether another service has the number of this bench.
+  /// @return the wall time needed to detect another service with the number of this bench.
   [[nodiscard]] virtual std::chrono::milliseconds time_to_meet_others() const noexcept = 0;
 
-  /// Again and again: starts a wire anew that has failed.
+  /// Restarts a wire that has failed. Call it regularly.
   virtual void supervise() {}
 
-  /// @return what is to be reported about it, oldest first.
+  /// @return the oldest unreported event about the wire, or nullopt.
   [[nodiscard]] virtual std::optional<EventRecord> next_news() { return std::nullopt; }
 
   /// @return whether no wire can be started any more.
   [[nodiscard]] virtual bool is_cut_off() const noexcept { return false; }
 
-  /// @return datagrams that its guard has dropped.
+  /// @return the number of datagrams dropped by its guard.
   [[nodiscard]] virtual std::uint64_t datagrams_dropped() const { return 0; }
 
-  /// Waits until the readers have what was reported, and announces the end.
+  /// Waits until the readers have received the reports, and announces the end.
   virtual void stop(std::chrono::milliseconds patience) = 0;
 };
 
-/// @return how the wire of a bench is set up, whatever its form.
+/// @return the settings of the wire of a bench, whatever its form.
 [[nodiscard]] WireSettings wire_settings(const Configuration& configuration);
 
 }  // namespace vdrive::service

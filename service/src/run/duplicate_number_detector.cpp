@@ -17,7 +17,7 @@ void DuplicateNumberDetector::note(std::span<const std::byte> sample,
   }
 }
 
-/// What a stranger sends may be anything: it is shown escaped.
+/// The bytes come from the network and may be anything; older_text() escapes them.
 void DuplicateNumberDetector::keep_place(std::span<const std::byte> bytes) {
   std::string place;
   for (const std::byte each : bytes) place += static_cast<char>(each);

@@ -8,10 +8,10 @@
 
 namespace vdrive::service {
 
-/// Checks that every thread makes progress: each thread counts what it has completed.
+/// Checks that all threads make progress, by their counters of completed work.
 class Liveness {
  public:
-  /// @param beats one for each thread, outliving this object; none = nothing is alive
+  /// @param beats one counter per thread, outliving this object; empty = not alive
   explicit Liveness(const std::vector<const Counter*>& beats);
 
   /// @return whether every thread has completed something since the start.

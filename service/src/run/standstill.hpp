@@ -10,30 +10,31 @@
 
 namespace vdrive::service {
 
-/// What a thread has completed.
+/// The progress counter of a thread.
 struct Beats {
-  std::string_view name;  ///< such as "ticks"
+  std::string_view name;  ///< of what it counts, such as "ticks"
   const Counter* count = nullptr;
 };
 
 /// @return the counters of `beats`.
 [[nodiscard]] std::vector<const Counter*> counts_of(const std::vector<Beats>& beats);
 
-/// For how long threads have made no progress, for one who looks at any time, rarely or often.
+/// Measures for how long threads have made no progress. May be asked rarely or often.
 class Standstill {
  public:
   using Clock = std::chrono::steady_clock;
 
-  /// What was looked at last.
+  /// The longest standstill of all threads.
   struct Longest {
-    std::string_view name;  ///< of the thread that has stood still for longest
+    std::string_view name;  ///< of the counter that has not changed for longest
     Clock::duration time{};
   };
 
-  /// @param beats one for each thread, at least one, outliving this object
+  /// @param beats one per thread, at least one, outliving this object
   Standstill(const std::vector<Beats>& beats, Clock::time_point now);
 
-  /// @return counted from the last look that found progress, so never too long.
+  /// @return the longest standstill, measured from the last call that found progress, so it is
+  ///         never overestimated.
   [[nodiscard]] Longest look(Clock::time_point now);
 
  private:
