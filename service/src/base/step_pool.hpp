@@ -17,8 +17,7 @@ namespace vdrive::service {
 /// sleep.
 class StepPool {
  public:
-  /// @param threads including the calling one, at least 1; at most one per group of the bank is
-  /// used
+  /// @param threads including the calling one, at least 1; at most one per group of the bank runs
   StepPool(AxisBank& bank, std::size_t threads);
   ~StepPool();
   StepPool(const StepPool&) = delete;

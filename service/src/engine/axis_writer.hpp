@@ -9,7 +9,7 @@
 
 namespace vdrive::service {
 
-/// Writes objects for the owner of an axis. A controlword that begins a halt also cancels the
+/// Writes objects of an axis, among them the controlword: one that begins a halt also cancels the
 /// frames that wait for the axis. Only writes that may begin a halt need an AxisWriter.
 class AxisWriter {
  public:

@@ -77,7 +77,7 @@ class BenchEngine {
   [[nodiscard]] bool can_answer() const noexcept;
 
   /// Carries out a command frame or a request, or refuses it. Requests for `steps` are refused
-  /// here, because only lock-step has them.
+  /// here: in other clock modes no client may let time pass.
   void handle(Arrival& arrival);
 
   /// Called by the thread that will step, once its scheduling is set: the threads that help it get

@@ -43,15 +43,13 @@ class StepperTable {
   /// Makes the session (not 0) a stepper whose grant is the present tick. Leaves an existing
   /// stepper unchanged.
   /// @param awaited how many steppers must join before time passes, 0 to kMaxSteppers; in force
-  /// until
-  ///        all have left
+  ///        until all have left
   /// @return false if there is no room
   [[nodiscard]] bool join(std::uint64_t session, const wire::Source& source, std::uint64_t tick,
                           Time now, std::size_t awaited = 0);
 
   /// @return whether the awaited number of steppers has joined. Time then passes, even if some
-  /// leave.
-  ///         When all have left, they are awaited again.
+  ///         leave. When all have left, they are awaited again.
   [[nodiscard]] bool is_complete() const noexcept { return is_complete_; }
 
   /// @return whether sessions that have not joined may step.
