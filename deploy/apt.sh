@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
-# For scripts that install packages, which source this file.
+# To be sourced by scripts that install packages.
 #
-#   as_root=(...)    what a command of the administrator begins with: nothing, or sudo
-#   apt WORD...      apt-get with these words, whose output is shown only when it fails
+#   as_root=(...)    prefix of commands that need root: empty, or sudo
+#   apt WORD...      runs apt-get with these words and shows its output only if it fails
 # shellcheck shell=bash
 
 as_root=()

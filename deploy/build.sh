@@ -1,18 +1,18 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: Apache-2.0
-# Configures and builds vdrive; repeats no finished step.
+# Configures and builds vdrive; finished steps are not repeated.
 #
 #   deploy/build.sh [--preset NAME] [--tests] [--target TARGET]... [-D VAR=VALUE]... [--keep-going]
 #
 #   --preset NAME     a preset of CMakePresets.json, default release
-#   --tests           with tests (once on, they stay on in that build directory); benchmarks are built
-#                     with -D VDRIVE_BUILD_BENCHMARKS=ON
-#   --target TARGET   only this target, instead of all; may be repeated
-#   -D VAR=VALUE      passed on to CMake; may be repeated
-#   --keep-going      build what can be built after a failure
+#   --tests           also build the tests (they then stay enabled in that build directory);
+#                     -D VDRIVE_BUILD_BENCHMARKS=ON builds the benchmarks
+#   --target TARGET   build only this target instead of all; may be repeated
+#   -D VAR=VALUE      passed to CMake; may be repeated
+#   --keep-going      after a failure, build everything that still can be built
 #
 # The programs are then build/NAME/bin/vdrived and build/NAME/bin/vdrive. Writes to standard error
-# only: progress on a terminal, otherwise one line and the errors. Needs deploy/setup.sh first.
+# only: progress on a terminal, otherwise one line and the errors. Run deploy/setup.sh first.
 # JOBS in the environment limits the number of parallel jobs (default: one per processor).
 set -euo pipefail
 
@@ -44,7 +44,7 @@ done
 directory=$root/build/$preset
 mkdir -p "$directory"
 
-# The cache needs a home directory; that of a service account may be read-only.
+# The cache needs a writable home directory, which a service account may not have.
 if [[ -z ${CCACHE_DIR:-} && ! -w ${HOME:-/nonexistent} ]]; then
   export CCACHE_DIR=$root/build/ccache
 fi
@@ -53,8 +53,8 @@ defaults=()
 if $tests; then
   defaults=(-D VDRIVE_BUILD_TESTS=ON)
 elif [[ ! -f $directory/CMakeCache.txt ]]; then
-  # Users need no test libraries. An existing choice is kept: switching off would only discard the
-  # test programs.
+  # Users need no test libraries. An existing choice is kept, because switching tests off would only
+  # discard the test programs.
   defaults=(-D VDRIVE_BUILD_TESTS=OFF -D VDRIVE_BUILD_BENCHMARKS=OFF)
 fi
 

@@ -1,21 +1,22 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: Apache-2.0
-# The demonstration: installs what is missing, builds, starts the service with its demo bench and
-# runs the manual's two worked examples against it over DDS, live in this terminal.
+# The demonstration: installs missing packages, builds, starts the service with its demo bench and
+# runs the two worked examples of the manual against it over DDS, live in this terminal.
 #
 #   deploy/demo.sh [--packages DIR|URL] [--serve]
 #
 #   --packages DIR|URL
-#             build nothing: install vdrived and vdrive by apt, from a folder of packages
-#             (deploy/package.sh) or from a signed repository (deploy/repository.sh), which stays a
-#             source of apt: /etc/apt/sources.list.d/vdrive.list
-#   --serve   keep the service in the foreground instead of running the examples, and beside it the
-#             gateway with its page, which may command the axes: http://127.0.0.1:8765/, or
+#             do not build: install vdrived and vdrive with apt, from a folder of packages
+#             (deploy/package.sh) or from a signed repository (deploy/repository.sh), which remains
+#             configured for apt: /etc/apt/sources.list.d/vdrive.list
+#   --serve   do not run the examples: keep the service in the foreground, together with the gateway
+#             and its page, which may command the axes: http://127.0.0.1:8765/, or
 #             VDRIVE_LISTEN=ADDRESS:PORT
 #
-# Meanwhile `vdrive watch 1.1` (of build/release/bin, or installed) shows the axis in a second terminal. The service
-# runs as bench 1 on DDS domain 0, or on VDRIVE_DOMAIN; when bench 1 exists already it takes the
-# next free number and reports it. No process is left running. Exit code 0: both examples passed.
+# While it runs, `vdrive watch 1.1` (in build/release/bin, or installed) shows the axis in a second
+# terminal. The service runs as bench 1 on DDS domain 0, or on VDRIVE_DOMAIN; if bench 1 already
+# exists, it uses the next free number and reports it. No process is left running. Exit code 0: both
+# examples passed.
 set -euo pipefail
 
 root=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)
@@ -48,8 +49,8 @@ done
 # shellcheck source=deploy/apt.sh
 source "$root/deploy/apt.sh"
 
-# Makes a signed repository a source of apt. Its key comes from the same place: whoever does not trust
-# that fetches the key in another way first.
+# Adds a signed repository to the sources of apt. The key is fetched from the same place; if you do
+# not trust that, install the key in another way first.
 add_repository() {
   local url=${1%/} keyring=/etc/apt/keyrings/vdrive.asc fetched reason
   fetched=$(mktemp -d)
@@ -114,7 +115,7 @@ vdrive() {
   "$bin/vdrive" --domain "$domain" "$@"
 }
 
-# The benches on this domain, one number in each line.
+# Prints the numbers of the benches on this domain, one per line.
 taken_benches() {
   vdrive --timeout 1 --json list 2>/dev/null | sed -n 's/.*"bench":\([0-9]*\),.*/\1/p' | sort -un
 }
@@ -135,7 +136,7 @@ watch_command="${bin#"$root/"}/vdrive$domain_option watch $bench.1"
 
 work=$(mktemp -d)
 programs=()
-# Ends every started process, however this script ends.
+# Ends all started processes, however this script ends.
 clean_up() {
   if ((${#programs[@]})); then
     kill "${programs[@]}" 2>/dev/null || true
@@ -160,7 +161,7 @@ fi
 "$bin/vdrived" --domain "$domain" --bench "$bench" --log-level warn 2>"$work/vdrived.log" &
 programs+=($!)
 
-# The service checks for a short time that its number is free before it announces itself.
+# Before the service announces itself, it takes a short time to check that its number is free.
 if ! vdrive --timeout 10 status "$bench.1" >/dev/null 2>"$work/status.log"; then
   cat "$work/vdrived.log" "$work/status.log" >&2
   fail "the service did not start"

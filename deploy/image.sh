@@ -4,16 +4,17 @@
 #
 #   deploy/image.sh [--packages DIR] [--out DIR] [bench|gateway|canopen|ros2|discovery|demo ...]
 #
-#   --packages DIR   the packages of deploy/package.sh; default build/packages
-#   --out DIR        where the images go; default build/images
+#   --packages DIR   folder of the packages from deploy/package.sh; default build/packages
+#   --out DIR        folder for the images; default build/images
 #
-# Without a name all of them. Each is a file that `podman load -i FILE` takes as
-# localhost/vdrive-NAME:VERSION. An image has the programs of its packages, the libraries that the
-# loader finds for them in Debian's packages, and nothing else: no shell and no package manager. The
-# maintainer scripts of the packages do not run: they make users, units and caches, which no program
-# here reads. The same packages give the same image: dates are those of the package of the tool.
+# Without names, makes all images. Each is a file that `podman load -i FILE` loads as
+# localhost/vdrive-NAME:VERSION. An image contains the programs of its packages, the libraries that
+# the loader finds for them in Debian's packages, and nothing else: no shell and no package manager.
+# The maintainer scripts of the packages are not run: they handle users, units and caches, which no
+# program in an image uses. The same packages give the same image: dates are those of the package of
+# the tool.
 #
-# Needs apt with the package lists of the Debian for which the packages were built, and no root.
+# Needs apt with the package lists of the Debian for which the packages were built, but not root.
 # Prints the names of the files.
 set -euo pipefail
 
@@ -22,7 +23,7 @@ packages=$root/build/packages
 out=$root/build/images
 names=()
 usage="usage: deploy/image.sh [--packages DIR] [--out DIR] [bench|gateway|canopen|ros2|discovery|demo ...]"
-readonly user=65532 # nobody else's, as in other images without root
+readonly user=65532 # unused otherwise, and customary in images that run without root
 
 fail() {
   echo "image: $*" >&2
@@ -41,11 +42,11 @@ while (($#)); do
 done
 ((${#names[@]})) || names=(bench gateway canopen ros2 discovery demo)
 
-# The tool is in each image: it tells whether the image's program works.
+# The tool is in each image, to check whether the program of the image works.
 declare -A packages_of=([bench]="vdrived vdrive" [gateway]="vdrive-gateway vdrive"
   [canopen]="vdrive-canopen vdrive" [ros2]="vdrive-ros2 vdrive"
   [discovery]="vdrive" [demo]="vdrived vdrive-gateway vdrive")
-# Programs of Debian's packages, with a file of ours.
+# Programs from packages of Debian, with our own configuration file.
 declare -A debian_of=([discovery]="fastdds-tools") program_of=([discovery]=/usr/bin/fast-discovery-server)
 declare -A settings_of=([discovery]=deploy/network/discovery-server.xml)
 declare -A title_of=([bench]="a bench of virtual servo drives"
@@ -58,7 +59,7 @@ declare -A entry_of=([bench]='"/usr/bin/vdrived"' [gateway]='"/usr/bin/vdrive-ga
   [canopen]='"/usr/bin/vdrive-canopen"' [ros2]='"/usr/bin/vdrive-ros2"'
   [discovery]='"/usr/bin/fast-discovery-server"'
   [demo]='"/usr/bin/vdrive","demo"')
-# What the arguments of a container replace.
+# Default arguments, which the arguments of a container replace.
 declare -A command_of=([bench]='"--config","/etc/vdrive/vdrived.yaml"'
   [gateway]='"--listen","0.0.0.0:8765","--token","/etc/vdrive/token"'
   [canopen]='"--config","/etc/vdrive/canopen.yaml"' [ros2]=''
@@ -70,7 +71,7 @@ packages=$(realpath "$packages")
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
 
-# @return the file of our package $1.
+# Prints the file of our package $1.
 package() {
   local found=("$packages/$1"_*.deb)
   [[ -f ${found[0]} ]] || fail "no package $1 in '$packages': run deploy/package.sh first"
@@ -88,14 +89,14 @@ for name in "${names[@]}"; do
 done
 tool=${files[vdrive]}
 version=$(dpkg-deb --field "$tool" Version)
-version=${version%%-*} # without that of the Debian package, whose ~ no tag may have
+version=${version%%-*} # without the Debian revision, whose ~ is not allowed in a tag
 architecture=$(dpkg-deb --field "$tool" Architecture)
 date=$(dpkg-deb --fsys-tarfile "$tool" | tar --list --verbose --full-time --utc |
   awk '{ print $4, $5 }' | sort | tail -n 1)
 epoch=$(date --utc --date "$date" +%s)
 created=$(date --utc --date "$date" +%Y-%m-%dT%H:%M:%SZ)
 
-# All packages that ours depend on, as if none were installed.
+# Downloads all packages that ours depend on, as if none were installed.
 mkdir -p "$work/debian/partial" "$work/tree"
 touch "$work/status"
 if ! apt-get --quiet --yes --no-install-recommends --download-only \
@@ -115,8 +116,8 @@ c_library=$(find "$work/tree" -name libc.so.6 -print -quit)
 folders=lib/$(basename "$(dirname "$c_library")")
 folders=$work/tree/usr/$folders:$work/tree/$folders
 
-# Copies the libraries of a program into image $1, each with what says where it is from, and the
-# loader to where the program has it.
+# Copies the libraries of program $2 into image $1, each with the record of its package, and the
+# loader to the path that the program expects.
 add_libraries() {
   local image=$1 program=$2 listed name file place each
   listed=$("$loader" --inhibit-cache --library-path "$folders" --list "$program" 2>&1) ||
@@ -132,7 +133,7 @@ add_libraries() {
   done < <(sed -n 's/^\t\([^ ]*\) => \([^ ]*\).*$/\1 \2/p' <<<"$listed")
 }
 
-# Adds the licence of a package, and its record where scanners of images look for it.
+# Adds the licence of a package, and its record in the place where image scanners look for it.
 add_origin() {
   local image=$1 file=$2 name licence
   name=$(dpkg-deb --field "$file" Package)
@@ -155,7 +156,7 @@ make_tree() {
     install --mode 644 "$root/${settings_of[$name]}" "$image/etc/vdrive/"
   fi
   rm -rf "$image"/usr/{lib/systemd,share/man,share/bash-completion,share/zsh,share/fish}
-  # A bench that nobody has configured is none: the container says so.
+  # Without the default configuration, a container that nobody has configured fails with a message.
   rm -f "$image/etc/vdrive/vdrived.yaml"
   find "$image/usr/share/doc" ! -type d ! -name copyright -delete
   for program in "$image"/usr/bin/*; do
@@ -165,11 +166,11 @@ make_tree() {
   echo "vdrive:x:$user:$user:vdrive:/var/lib/vdrive:/" >"$image/etc/passwd"
   echo "vdrive:x:$user:" >"$image/etc/group"
   chmod -R u=rwX,go=rX "$image"
-  # Whichever user a cluster chooses may write there, where the root is not read-only.
+  # Writable for whichever user a cluster chooses, if the root is not read-only.
   chmod 1777 "$image/tmp" "$image/var/lib/vdrive"
 }
 
-# Puts a file among the blobs of a layout. Prints what refers to it.
+# Moves a file to the blobs of a layout. Prints the (still open) descriptor that refers to it.
 add_blob() {
   local layout=$1 file=$2 type=$3 sum
   sum=$(sha256sum "$file" | cut -d ' ' -f 1)
@@ -178,7 +179,7 @@ add_blob() {
   mv "$file" "$layout/blobs/sha256/$sum"
 }
 
-# @return tar in a form that depends on names, contents and modes only.
+# Writes a tar archive that depends only on names, contents and modes.
 pack() {
   tar --create --directory "$1" --sort name --format gnu --mtime "@$epoch" --owner 0 --group 0 \
     --numeric-owner .

@@ -19,7 +19,7 @@ import re
 import subprocess
 import sys
 
-# What every program of the system has of the compiler and the C library.
+# The parts of the compiler and the C library in every program of the system.
 TOOLCHAIN = re.compile(r"(libc6|linux-libc|libgcc-.*|libstdc\+\+-.*)-dev")
 
 

@@ -1,14 +1,15 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: Apache-2.0
 # Builds the Debian packages vdrived, vdrive, vdrive-gateway, vdrive-ros2, vdrive-canopen,
-# libvdrive-dev, python3-vdrive and vdrive-doc into build/packages, for the Debian that runs it, and
-# next to them a list of what is in them (SPDX 2.3): vdrive_VERSION_ARCHITECTURE.spdx.json.
+# libvdrive-dev, python3-vdrive and vdrive-doc into build/packages, for the Debian on which it runs,
+# and next to them a list of their contents (SPDX 2.3): vdrive_VERSION_ARCHITECTURE.spdx.json.
 #
 #   deploy/package.sh
 #
-# From the release build. Needs deploy/setup.sh --page --python first. Prints the names of the packages.
-# The same commit gives the same bytes in any folder, on a system with the same packages. Their date
-# is SOURCE_DATE_EPOCH, else that of the commit, else that of CHANGELOG.md.
+# Uses the release build. Run deploy/setup.sh --page --python first. Prints the names of the
+# packages. The same commit gives the same bytes in any folder, on a system with the same packages.
+# Their date is SOURCE_DATE_EPOCH, otherwise the date of the commit, otherwise the date of
+# CHANGELOG.md.
 set -euo pipefail
 
 root=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)
@@ -23,7 +24,7 @@ if [[ -z ${SOURCE_DATE_EPOCH:-} ]]; then
   SOURCE_DATE_EPOCH=$(git -C "$root" log -1 --format=%ct 2>/dev/null || stat -c %Y "$root/CHANGELOG.md")
 fi
 export SOURCE_DATE_EPOCH
-umask 022 # the modes of folders are in the packages
+umask 022 # the packages record the modes of folders
 
 "$root/deploy/build.sh"
 rm -rf "$packages"

@@ -1,19 +1,19 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: Apache-2.0
-# Puts packages into a signed repository of apt: a folder that any static web server can carry.
+# Puts packages into a signed apt repository: a folder that any static web server can serve.
 #
 #   deploy/repository.sh DIR --key KEYID [DEB...]
 #
-#   --key KEYID   the key of gpg that signs: a fingerprint, or its user's e-mail address
+#   --key KEYID   the gpg key that signs: a fingerprint, or the e-mail address of its user
 #   DEB           packages of deploy/package.sh, default build/packages/*.deb
 #
-# DIR is made, or gets the packages in addition to its own. Packages of Debian 12 are found in
-# bookworm, those of Debian 13 in trixie. DIR/vdrive.asc is the public key, DIR/README.txt has the
-# commands of a user. A failure leaves DIR as it was. Needs gpg. Prints the commands.
+# Creates DIR, or adds the packages to those in it. Packages for Debian 12 are in the suite
+# bookworm, those for Debian 13 in trixie. DIR/vdrive.asc is the public key; DIR/README.txt has the
+# commands for users, which are also printed. A failure leaves DIR unchanged. Needs gpg.
 set -euo pipefail
 
 root=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)
-readonly maintainer="vdrive maintainers <maintainers@vdrive.invalid>" # of cmake/VdrivePackages.cmake
+readonly maintainer="vdrive maintainers <maintainers@vdrive.invalid>" # as in VdrivePackages.cmake
 readonly usage="usage: deploy/repository.sh DIR --key KEYID [DEB...]"
 declare -A suites=([12]=bookworm [13]=trixie)
 directory=
@@ -45,7 +45,7 @@ if ((${#debs[@]} == 0)); then
   [[ -f ${debs[0]} ]] || fail "no packages in $root/build/packages; deploy/package.sh makes them"
 fi
 
-# Prints the suite of a package of ours.
+# Prints the suite of one of our packages.
 suite_of() {
   local version
   [[ -f $1 ]] || fail "$1: no such file"
@@ -59,14 +59,14 @@ suite_of() {
 
 for deb in "${debs[@]}"; do
   suite_of "$deb" >/dev/null
-  # Whoever has installed a version would never get the other one.
+  # Users who have this version would never get the changed package.
   kept=$directory/pool/$(basename "$deb")
   [[ ! -e $kept ]] || cmp --silent "$deb" "$kept" ||
     fail "$kept is there with other contents: a changed package needs another version"
 done
 
-# Everything is written next to the repository and renamed when it is complete.
-umask 022 # for the server
+# Everything is written to a temporary folder and renamed when it is complete.
+umask 022 # the web server has to read the files
 mkdir -p "$directory"
 directory=$(realpath "$directory")
 new=$(mktemp -d "$directory/.new.XXXXXX")
@@ -85,7 +85,7 @@ shopt -s nullglob
 for deb in "$directory"/pool/*.deb "$new"/pool/*.deb; do
   suite=$(suite_of "$deb")
   entry=$(
-    dpkg-deb --field "$deb" | sed '/^$/d' # that of CPack ends with an empty line
+    dpkg-deb --field "$deb" | sed '/^$/d' # CPack's output ends with an empty line
     printf 'Filename: pool/%s\nSize: %d\n' "$(basename "$deb")" "$(stat -c %s "$deb")"
     sum=$(sha256sum <"$deb")
     printf 'SHA256: %s\n' "${sum%% *}"
@@ -97,7 +97,7 @@ done
 
 for suite in "$new"/dists/*; do
   cd "$suite"
-  # What is of no architecture is listed with each.
+  # Packages for all architectures are listed with each.
   all=
   if [[ -e main/all ]]; then
     all=$(<main/all)$'\n\n'

@@ -1,17 +1,17 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: Apache-2.0
-# Installs the packages of Debian 12 or 13 that building and running vdrive needs.
+# Installs the packages of Debian 12 or 13 that are needed to build and run vdrive.
 #
 #   deploy/setup.sh [--tests] [--page] [--python] [--browser] [--judges] [--images]
 #
-#   --tests     also what the tests, the benchmarks and the lint need
-#   --page      also node and npm, where these programs are missing: they build the page of the gateway
-#   --python    also what the Python module is built from; --tests brings it, too
-#   --browser   also the browser that tests this page
-#   --judges    also programs of others that judge what bridges send
-#   --images    also what runs images of containers
+#   --tests     also the packages for the tests, the benchmarks and the lint
+#   --page      also node and npm, if missing: they build the page of the gateway
+#   --python    also the packages to build the Python module; included in --tests
+#   --browser   also the browser that tests the page
+#   --judges    also third-party programs that check the output of the bridges
+#   --images    also the packages to run container images
 #
-# Installs only what is missing, by apt, through sudo unless run as root. Prints nothing when
+# Installs only missing packages, with apt, through sudo unless run as root. Prints nothing if
 # nothing is missing. Writes to standard error only. Exit code 0: all packages are installed.
 set -euo pipefail
 
@@ -20,13 +20,13 @@ fail() {
   exit 1
 }
 
-# A variable of os-release(5); nothing where it is not set.
+# Prints a variable of os-release(5); nothing if it is not set.
 system() {
   # shellcheck disable=SC1091
   (. /etc/os-release && printf '%s' "${!1:-}") 2>/dev/null || true
 }
 
-# Both releases have all packages below under the same names, but for the DDS library.
+# All packages below have the same names in both releases, except the DDS library.
 case $(system ID)-$(system VERSION_ID) in
   debian-12) dds_package=libfastrtps-dev ;; # 2.9
   debian-13) dds_package=libfastdds-dev ;;  # 3.1
@@ -43,15 +43,15 @@ packages=(
   ccache
   cmake
   help2man
-  libboost-dev # Beast, the web servers of the metrics and of the gateway; Asio, the servers of CANopen
+  libboost-dev # Beast: the web servers of the metrics and the gateway; Asio: the CANopen servers
   libcli11-dev
-  libedit-dev # lines of the shell of the tool
+  libedit-dev # line editing in the shell of the tool
   libeigen3-dev
   "$dds_package"
-  file # CPack asks it which files of a package need libraries
-  libseccomp-dev # what each half of the service may ask of the kernel
+  file # CPack uses it to find the files that need libraries
+  libseccomp-dev # restricts the system calls of engine and wire
   libspdlog-dev
-  libssl-dev # checks of the security material; Fast DDS brings it too, like libtinyxml2-dev
+  libssl-dev # checks of the security material; Fast DDS depends on it, too, as on libtinyxml2-dev
   libsystemd-dev
   libtinyxml2-dev
   libyaml-cpp-dev
@@ -60,19 +60,19 @@ packages=(
   nlohmann-json3-dev
   pkg-config
   prometheus-cpp-dev # text of the metrics
-  python3 # makes the messages of the IDL
-  zlib1g-dev # check sums of recordings
+  python3 # generates the messages from the IDL
+  zlib1g-dev # checksums of recordings
 )
 test_packages=(
   bubblewrap # the sandbox of the systemd unit
   clang
   clang-format
   clang-tidy
-  cyclonedds-dev # a second vendor's DDS
+  cyclonedds-dev # DDS of a second vendor
   cyclonedds-tools
-  debootstrap # clean roots: for the packages, and of the other Debian
-  faketime # a clock that is ahead, for certificates that expire
-  fastddsgen # what Fast DDS makes of our IDL; brings a Java runtime, through antlr4
+  debootstrap # clean root file systems for the packages, also of the other Debian
+  faketime # sets the clock ahead, for certificates that expire
+  fastddsgen # the code that Fast DDS generates from our IDL; brings a Java runtime, through antlr4
   fastdds-tools # the discovery server of the network tests
   fish # completion of the tool
   gnupg # signs a repository of the packages
@@ -81,7 +81,7 @@ test_packages=(
   libclang-rt-dev # sanitizers and fuzzers with clang
   libgmock-dev
   libgtest-dev
-  libfastcdr-dev # the encoder of Fast DDS, which ours is compared with
+  libfastcdr-dev # the encoder of Fast DDS, with which ours is compared
   librapidcheck-dev
   lld # links tests in a third of the time
   llvm # coverage of core/
@@ -89,12 +89,12 @@ test_packages=(
   mypy # the types of the Python module
   nftables # loss and blocked multicast in the network tests
   openssl # makes the material of the closed mode
-  python3-can # a client of the CAN bus that others wrote
-  python3-matplotlib # a plot of the documents
+  python3-can # a third-party client of the CAN bus
+  python3-matplotlib # a plot in the documents
   python3-pip # the wheel
   python3-pytest
-  python3-pytest-xdist # tests side by side
-  python3-websockets # a client of the gateway that others wrote
+  python3-pytest-xdist # parallel tests
+  python3-websockets # a third-party client of the gateway
   python3-yaml # manifests of Kubernetes
   python3-seccomp # the sandbox of the systemd unit
   systemd # systemd-analyze
@@ -114,7 +114,7 @@ judge_packages=(
 
 image_packages=(
   podman
-  runc # runs also where control groups are of the first version, unlike crun
+  runc # unlike crun, also runs with cgroups v1
   aardvark-dns # names of containers in a network
   catatonit # the first process of a pod
   iptables # ports that a container publishes
@@ -124,14 +124,14 @@ image_packages=(
 browser_packages=(
   chromium
   fonts-wqy-microhei # Chinese characters
-  pngquant # pictures of the documents
+  pngquant # pictures in the documents
 )
 
 while (($#)); do
   case $1 in
     --tests) packages+=("${test_packages[@]}" "${python_packages[@]}") ;;
     --page)
-      # Many machines have a newer node than Debian's; npm is 350 packages there.
+      # Many machines have a newer node than that of Debian, where npm brings 350 packages.
       command -v node >/dev/null || packages+=(nodejs)
       command -v npm >/dev/null || packages+=(npm)
       ;;
@@ -139,7 +139,7 @@ while (($#)); do
     --browser) packages+=("${browser_packages[@]}") ;;
     --judges)
       packages+=("${judge_packages[@]}")
-      # Kubernetes' own packages have it under another name.
+      # The packages of Kubernetes itself use a different name.
       command -v kubectl >/dev/null || packages+=(kubernetes-client)
       ;;
     --images) packages+=("${image_packages[@]}") ;;
@@ -165,7 +165,7 @@ fi
 source "$(dirname "${BASH_SOURCE[0]}")/apt.sh"
 
 echo "setup: installing ${missing[*]}" >&2
-# The package lists of a new machine are empty; those of an old one name packages that no longer
+# On a new machine the package lists are empty; on an old one they name packages that no longer
 # exist.
 apt update || fail "apt-get update failed; missing: ${missing[*]}"
 apt install --yes --no-install-recommends "${missing[@]}" ||

@@ -1,25 +1,27 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: Apache-2.0
-"""Pods for podman from what Kubernetes makes of StatefulSets and Deployments.
+"""Writes pods for podman, as Kubernetes would create them from StatefulSets and Deployments.
 
   { kubectl kustomize deploy/kubernetes/bench/lab && echo --- &&
     kubectl create secret generic vdrive-gateway --from-file token --dry-run=client --output yaml
   } | deploy/kubernetes/pods.py DIR
 
-DIR gets a file for each pod, with the ConfigMaps and Secrets that it mounts. Its name is that of the pod in the
-network, such as vdrive-bench-1.vdrive-bench.yaml, which podman has to be told:
+Writes one file per pod to DIR, with the ConfigMaps and Secrets that the pod mounts. The file has
+the name of the pod in the network, such as vdrive-bench-1.vdrive-bench.yaml; podman needs this name
+as an alias:
 
   podman network create vdrive
   for pod in DIR/*.yaml; do
     podman kube play --network "vdrive:alias=$(basename "$pod" .yaml)" "$pod"
   done
 
-A pod is that of the manifest, but: what the controller of a StatefulSet adds stands in it (name,
-index, claims); a port of the nodes is one of this machine, and podman, which makes every port one of
-the machine, is told of no other; volumes have the pod's name, because podman would have all pods
-share those of one name; a Secret is a ConfigMap, because podman 4.3 would mount it in base64; and
-there are no probes, for which podman would need curl in the image.
-Services, NetworkPolicies and disruption budgets are left out: podman has none of them.
+The pods are those of the manifests with these changes. The additions of the StatefulSet controller
+are written out (name, index, claims). Node ports become ports of this machine, and all other ports
+are dropped, because podman would publish every one of them. Volume names get the name of the pod as
+a prefix, because podman would share volumes of the same name among all pods. Secrets become
+ConfigMaps, because podman 4.3 would mount them in base64. Probes are dropped, because podman would
+need curl in the image. Services, NetworkPolicies and disruption budgets are left out: podman has
+none of them.
 """
 import base64
 import copy
@@ -30,7 +32,7 @@ import yaml
 
 
 def pods_of(documents):
-    """Returns pairs of a pod's name in the network and its documents, ConfigMaps first."""
+    """Yield pairs of a pod's name in the network and its documents, ConfigMaps first."""
     maps = {name(d): d for d in documents if d["kind"] == "ConfigMap"}
     maps |= {name(d): d for d in map(as_map, documents) if d}
     node_ports = {(name(d), port["targetPort"]): port["nodePort"]
@@ -52,7 +54,7 @@ SECRET = "-secret"
 
 
 def as_map(document):
-    """A Secret as a ConfigMap."""
+    """Return a Secret as a ConfigMap; None for any other document."""
     if document["kind"] != "Secret":
         return None
     return {"apiVersion": "v1", "kind": "ConfigMap", "metadata": {"name": name(document) + SECRET},
@@ -64,7 +66,7 @@ def name(document):
 
 
 def replicas(document):
-    """As the controllers make them; the one pod of a Deployment has its name."""
+    """Yield (pod, alias) as a controller would create them; one pod has the Deployment's name."""
     spec = document["spec"]
     for index in range(spec.get("replicas", 1)):
         pod = {"apiVersion": "v1", "kind": "Pod", **copy.deepcopy(spec["template"])}
@@ -80,14 +82,14 @@ def replicas(document):
 
 
 def claim(pod, claims):
-    """A claim takes the place of the volume of its name."""
+    """Replace volumes by the claims with the same names."""
     volumes = [v for v in pod["spec"].get("volumes", []) if v["name"] not in claims]
     volumes += [{"name": c, "persistentVolumeClaim": {"claimName": f"{c}-{name(pod)}"}} for c in claims]
     pod["spec"]["volumes"] = volumes
 
 
 def prepare(pod, owner, node_ports):
-    """What podman needs otherwise."""
+    """Make the changes that podman needs."""
     for container in pod["spec"]["containers"]:
         for probe in ("livenessProbe", "readinessProbe", "startupProbe"):
             container.pop(probe, None)
@@ -108,7 +110,7 @@ def main():
         print(__doc__.split("\n\n")[1], file=sys.stderr)
         sys.exit(2)
     directory = pathlib.Path(sys.argv[1])
-    directory.mkdir(mode=0o700, parents=True, exist_ok=True)  # there are Secrets in it
+    directory.mkdir(mode=0o700, parents=True, exist_ok=True)  # it contains Secrets
     for alias, documents in pods_of([d for d in yaml.safe_load_all(sys.stdin) if d]):
         path = directory / f"{alias}.yaml"
         path.write_text(yaml.safe_dump_all(documents, sort_keys=False), encoding="utf-8")

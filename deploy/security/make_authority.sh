@@ -1,14 +1,14 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: Apache-2.0
-# Makes the authority of a closed network: one CA that signs identities, another one that signs
+# Makes the authority of a closed network: a CA that signs identities, another CA that signs
 # permissions, and the signed rules of the domain.
 #
 #   deploy/security/make_authority.sh DIR [--days N]
 #
-#   DIR       new directory; keep it off the hosts that run benches and clients
-#   --days N  life of both CAs, default 3650
+#   DIR       new directory; do not keep it on hosts that run benches and clients
+#   --days N  validity of both CAs, default 3650
 #
-# Safe to repeat: where there is an authority nothing is changed. Next: make_member.sh.
+# Safe to repeat: an existing authority is not changed. Next step: make_member.sh.
 set -euo pipefail
 umask 077
 
@@ -38,7 +38,8 @@ fi
 [[ ! -e $directory ]] || [[ -z $(ls -A "$directory") ]] ||
   fail "$directory is not empty and does not contain a complete authority"
 
-# Built beside its place and moved there complete: an interrupted run leaves no part of it.
+# Built next to its place and moved there when complete, so that an interrupted run leaves no part
+# of it.
 mkdir -p "$(dirname "$directory")"
 work=$(mktemp --directory "$(dirname "$directory")/.authority.XXXXXX")
 trap 'rm -rf "$work"' EXIT
@@ -51,7 +52,7 @@ make_ca() { # name, subject
     fail "openssl: $(cat "$work/log")"
 }
 
-number=$(openssl rand -hex 4) # two authorities are never mistaken for each other
+number=$(openssl rand -hex 4) # tells authorities apart
 make_ca identity_ca "/O=vdrive/CN=identity CA $number"
 make_ca permissions_ca "/O=vdrive/CN=permissions CA $number"
 openssl smime -sign -in "$here/governance.xml" -text -out "$work/governance.smime" \

@@ -9,11 +9,11 @@
 #             controller  clients that command: vdrive, vdrive::client
 #             viewer      clients that see everything and command nothing
 #   NAME      letters, digits, '.', '_' and '-'
-#   --days N  life of certificate and permissions from now on, default 365
-#   --from T, --to T   the same as instants in UTC, such as 2026-01-31T00:00:00
+#   --days N  validity of certificate and permissions from now on, default 365
+#   --from T, --to T   the same as times in UTC, such as 2026-01-31T00:00:00
 #
-# The directory is what `vdrived --security` and `vdrive --security` take; move it to its host, the
-# authority stays. An existing member is not made again: remove its directory first.
+# Move the directory to its host and give it to `vdrived --security` or `vdrive --security`; the
+# authority stays where it is. An existing member is not replaced: remove its directory first.
 set -euo pipefail
 umask 077
 
@@ -66,7 +66,7 @@ run() {
   "$@" 2>"$work/log" || fail "$1: $(cat "$work/log")"
 }
 
-# `openssl ca` because it alone takes a begin and an end.
+# Uses `openssl ca`, because no other command takes a start and an end date.
 cat >"$work/ca.conf" <<END
 [ca]
 default_ca = identity
@@ -100,7 +100,7 @@ run openssl ca -batch -notext -config "$work/ca.conf" -cert "$directory/identity
 subject=$(openssl x509 -in "$work/certificate.pem" -noout -subject -nameopt RFC2253)
 
 [[ -r $here/topics.txt ]] || fail "$here/topics.txt cannot be read"
-section() { # publish or subscribe, the side that publishes these topics, one topic more
+section() { # publish or subscribe, the side that publishes these topics, one additional topic
   printf '        <%s>\n          <topics>\n' "$1"
   awk -v side="$2" -v more="${3-}" '$1 !~ /^#/ && ($2 == side || $1 == more) {
     print "            <topic>vdrive/v1/" $1 "</topic>" }' "$here/topics.txt"

@@ -272,8 +272,7 @@ Line line_of(const NamedAxis& axis) {
           limits_text(axis)};
 }
 
-/// Adds an axis to a list of numbers: extends its last range ("1-3") or begins a new one ("1-3,
-/// 5").
+/// Adds an axis to a list of numbers such as "1-3, 5": extends its last range or begins a new one.
 void add_number(std::string& numbers, std::uint16_t last, std::uint16_t number) {
   const std::string text = std::to_string(number);
   if (numbers.empty()) {
