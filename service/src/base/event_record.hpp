@@ -75,7 +75,6 @@ struct SystemError {
   friend bool operator==(const SystemError&, const SystemError&) = default;
 };
 
-/// A problem with stored parameters.
 struct StoredProblem {
   ParameterProblem problem = ParameterProblem::none;
   std::uint64_t number = 0;  ///< see ParameterProblem

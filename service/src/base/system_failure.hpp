@@ -8,7 +8,7 @@
 namespace vdrive::service {
 
 /// @throws std::system_error with the error in errno
-/// @param what the failed call, for example "open /var/lib/vdrive"
+/// @param what the failed call, such as "open /var/lib/vdrive"
 [[noreturn]] inline void fail(const std::string& what) {
   throw std::system_error(errno, std::generic_category(), what);
 }

@@ -97,7 +97,6 @@ class BenchAxes {
   /// Sets all axes to the state of the snapshot, except for their stored values: those are on disk.
   void restore(const std::shared_ptr<const AxisBank::Snapshot>& snapshot, std::uint64_t tick);
 
-  /// Steps all axes by one tick.
   void step() { pool_.step(); }
 
   /// Calls `work(first, last)` for parts of [0, count), which represents the axes in their order.
@@ -117,13 +116,11 @@ class BenchAxes {
   /// Called by the thread that will step: gives its scheduling to the threads that help it.
   void schedule_as_caller() noexcept { pool_.schedule_as_caller(); }
 
-  /// Records the completed tick.
   void record_tick(std::uint64_t tick);
 
   /// @return the next unreported news of the journal.
   [[nodiscard]] std::optional<JournalNews> next_journal_news();
 
-  /// @return the last writes.
   [[nodiscard]] WriteMemory& writes() noexcept { return writes_; }
 
   [[nodiscard]] BlackBox& black_box() noexcept { return black_box_; }

@@ -44,7 +44,6 @@ class ControlTable {
   /// the previous owner. Does not renew epochs; call `renew_epoch` afterwards.
   void give(std::size_t axis, SessionRecord& owner) noexcept;
 
-  /// Frees the axis.
   void take(std::size_t axis) noexcept;
 
   /// Gives all axes of the session a new epoch; 0 if it owns none.

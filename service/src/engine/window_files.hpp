@@ -19,7 +19,7 @@ namespace vdrive::service {
 /// class.
 class WindowFiles {
  public:
-  /// @param directory an existing directory; files of other axis configurations are ignored
+  /// @param directory an existing directory; files of other axis configurations are removed
   WindowFiles(std::filesystem::path directory, const Configuration& configuration);
 
   /// Gives the box the windows of earlier runs, and asks it to hand over new ones. Only before the

@@ -61,7 +61,6 @@ class Journal {
   /// Records that the state was replaced by the state of a snapshot.
   void record_restore(std::shared_ptr<const AxisBank::Snapshot> snapshot,
                       std::uint64_t tick) noexcept;
-  /// Records a completed tick.
   void record_tick(const AxisBank& bank, std::uint64_t tick) noexcept;
 
   /// @return the next piece of news that has not been reported yet.

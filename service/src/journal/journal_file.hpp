@@ -118,7 +118,6 @@ struct JournalEnd {
 using JournalRecord = std::variant<JournalChange, JournalRefusal, JournalAuthor, JournalTick,
                                    JournalSnapshot, JournalEnd>;
 
-/// Writes a journal.
 class JournalWriter {
  public:
   /// Writes the head. @throws what the sink throws, as all other members do
@@ -133,7 +132,6 @@ class JournalWriter {
                   std::span<const std::uint32_t> rows);
   /// Passes the buffered records to the sink.
   void flush();
-  /// Writes the end mark.
   void end();
 
  private:

@@ -10,7 +10,7 @@
 
 namespace vdrive::service {
 
-/// The programs behind the sessions that have acquired axes of a bench, as reported by the programs
+/// The programs of the sessions that have acquired axes of a bench, as reported by the programs
 /// themselves. Clients do not see each other, so the service of the bench publishes what it has
 /// received. Used by one thread.
 class SessionNames {

@@ -11,7 +11,6 @@
 
 namespace vdrive::service {
 
-/// The header of a record.
 struct RecordHead {
   std::uint32_t size = 0;  ///< of the bytes that follow
   /// The size of the complete sample. If it is larger than `size`, only the beginning of the sample

@@ -97,7 +97,6 @@ struct WireControl {
   std::array<RingPositions, kLanes> positions{};
 };
 
-/// The settings of a wire.
 struct WireSettings {
   wire::NetworkSettings network;
   std::uint32_t bench = 1;

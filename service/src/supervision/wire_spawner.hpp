@@ -26,8 +26,7 @@ class WireSpawner {
   /// @param region descriptor that wires inherit
   /// @throws std::system_error
   explicit WireSpawner(int region);
-  ~WireSpawner();  ///< kills wire and spawner, within 0.1 s unless the kernel or a debugger holds
-                   ///< one
+  ~WireSpawner();  ///< ends wire and spawner, within 0.1 s unless one of them is stopped or held
   WireSpawner(const WireSpawner&) = delete;
   WireSpawner& operator=(const WireSpawner&) = delete;
 

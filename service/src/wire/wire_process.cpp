@@ -63,7 +63,7 @@ class MemoryGauge {
     std::array<char, 128> text{};
     const ssize_t size = pread(file_, text.data(), text.size(), 0);
     if (size <= 0) return 0;
-    // In pages: size, resident, shared.
+    // size, resident, shared [pages]
     std::array<std::uint64_t, 3> pages{};
     const char* place = text.data();
     const char* const end = place + size;
