@@ -15,25 +15,26 @@
 
 namespace vdrive::client {
 
-/// One axis as a tick left it.
+/// The state of one axis after a tick.
 struct AxisSnapshot {
   AxisId id;
   std::uint64_t tick = 0;
   AxisStatus status;
   std::uint64_t owner_session = 0;  ///< 0 = free
   std::uint32_t owner_epoch = 0;
-  std::uint64_t last_sequence = 0;  ///< last command frame of the owner that was applied
-  /// Whether owner and last command are known: not where the objects of a paused bench were read.
+  std::uint64_t last_sequence = 0;  ///< the owner's last command frame that was applied
+  /// Whether owner and last command are known; they are not if the objects were read from a paused
+  /// bench.
   bool has_owner = true;
 
-  /// Ticks that the number jumped over since the call or the follower that shows this began: they
-  /// were not run. Drive time between two snapshots of it is that of driven_tick().
+  /// Ticks that the tick number jumped over since the call or follower that returns this began:
+  /// they were not run. For the drive time between two of its snapshots, use driven_tick().
   std::uint64_t skipped = 0;
 
-  /// @return `tick` without the ticks that were skipped: for durations.
+  /// @return `tick` minus the skipped ticks: for durations.
   [[nodiscard]] std::uint64_t driven_tick() const noexcept { return tick - skipped; }
 
-  /// @return the state that 6041h shows.
+  /// @return the state in 6041h.
   [[nodiscard]] PowerState state() const noexcept {
     return decode_power_state(status.ds402_statusword);
   }
@@ -43,7 +44,7 @@ struct AxisSnapshot {
     return static_cast<OperatingMode>(status.op_mode_actual);
   }
 
-  /// @return whether its mode presses with a torque, also where the axis stands.
+  /// @return whether its mode applies a torque, even at standstill.
   [[nodiscard]] bool has_torque() const noexcept {
     const OperatingModeRow* const row = find_operating_mode(mode());
     return row != nullptr && row->commands_torque && state() == PowerState::operation_enabled &&
@@ -59,32 +60,32 @@ struct AxisSnapshot {
 /// All watched axes after the same tick.
 struct Observation {
   std::uint64_t tick = 0;
-  std::uint64_t missed = 0;        ///< samples of the stream lost since the one before
-  std::uint64_t skipped = 0;       ///< ticks since the one before that the number jumped over
+  std::uint64_t missed = 0;   ///< samples of the stream lost since the previous one
+  std::uint64_t skipped = 0;  ///< ticks that the tick number jumped over since the previous one
   std::vector<AxisSnapshot> axes;  ///< in the order of the request
 };
 
-/// @return the object's value when the status image has it, else nothing.
+/// @return the object's value if the status image contains it, otherwise nothing.
 [[nodiscard]] std::optional<std::int64_t> value_of(const AxisSnapshot& snapshot,
                                                    ObjectAddress object);
 
-/// @return [s] how long the demand position (6062h) still needs to `target` [UU] at its present
-/// speed
-///         (606Bh), rounded up; nothing where it stands, is there or leads away from it.
+/// @return the time [s] that the demand position (6062h) still needs to reach `target` [UU] at its
+///         present speed (606Bh), rounded up; nothing if it stands still, has arrived or is moving
+///         away.
 [[nodiscard]] std::optional<std::int64_t> seconds_to(const AxisSnapshot& axis,
                                                      std::int32_t target) noexcept;
 
-/// @return the names of the bits of 6041h that are 1, bits 0 to 3, 5 and 6 left out: those are the
-///         state. Such as {"voltage enabled", "remote", "target reached"}. Bits 12 and 13 have the
-///         names that `mode` (6061h) gives them.
+/// @return the names of the bits of 6041h that are 1, such as {"voltage enabled", "remote", "target
+///         reached"}, without bits 0 to 3, 5 and 6, which encode the state. The names of bits 12
+///         and 13 depend on `mode` (6061h).
 [[nodiscard]] std::vector<std::string_view> statusword_flags(std::uint16_t statusword,
                                                              OperatingMode mode);
 
 /// @return such as "0x1637 Operation enabled: remote, target reached, set-point acknowledge".
 [[nodiscard]] std::string describe_statusword(std::uint16_t statusword, OperatingMode mode);
 
-/// @return what an axis shows, for a message: such as "shows error 0x8611 following error,
-///         0x218 Fault". For error 8130h it ends with what to change.
+/// @return the condition of an axis for a message, such as "shows error 0x8611 following error,
+///         0x218 Fault". For error 8130h it ends with the setting to change.
 [[nodiscard]] std::string what_it_shows(const AxisSnapshot& axis);
 
 }  // namespace vdrive::client

@@ -10,21 +10,23 @@
 
 namespace vdrive::client {
 
-/// What the way of EachCommand::enable may lead through.
+/// Transitions that EachCommand::enable may use.
 struct EnablingWay {
-  bool resets_fault = false;  ///< from Fault, by a fault reset
-  bool keeps_power = false;  ///< from Quick stop active by transition 16, which not every drive has
+  bool resets_fault = false;  ///< leave Fault by a fault reset
+  bool keeps_power =
+      false;  ///< leave Quick stop active by transition 16, which not every drive has
 };
 
 /// The controlwords (6040h) of a command.
-/// @return the words that carry the command out from `state`, to be written one after the other;
-///         none where no word would do
+/// @return the words that carry out the command from `state`, to be written one after the other;
+///         empty if no controlword can
 [[nodiscard]] std::vector<std::uint16_t> words_to(EachCommand command, PowerState state,
                                                   const EnablingWay& way = {});
 
-/// A command for Session::send_set_points(), which neither waits nor steps a clock: words_to(), one
-/// a set-point, each in a frame of its own. The last of EachCommand::enable also sets
-/// kStandingTargets to 0: the axis rests, whatever its targets held.
+/// A command as set-points for Session::send_set_points(), which neither waits nor steps a clock:
+/// the words of words_to(), one per set-point, each to be sent in a separate frame. The last one of
+/// EachCommand::enable also sets kStandingTargets to 0, so that the axis stays at rest whatever its
+/// targets were.
 [[nodiscard]] std::vector<SetPoint> set_points_to(EachCommand command, const AxisSnapshot& axis,
                                                   const EnablingWay& way = {});
 

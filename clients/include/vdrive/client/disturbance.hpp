@@ -10,7 +10,7 @@
 
 namespace vdrive::client {
 
-/// A test-bench input (5E00h to 5E0Ch): what acts on an axis from outside.
+/// A test-bench input (5E00h to 5E0Ch): an influence on an axis from outside.
 enum class Disturbance : std::uint8_t {
   load_torque,  ///< [mN.m]; the others are 1 = on, 0 = off
   blocked_load,
@@ -27,13 +27,13 @@ enum class Disturbance : std::uint8_t {
   frozen_feedback,
 };
 
-/// A disturbance: its word in the tool, the object that it writes, and what becomes of the axis.
+/// A disturbance: its name in the tool, the object that it writes, and its effect on the axis.
 struct DisturbanceRow {
   Disturbance disturbance;
   std::string_view name;
   std::string_view variable_name;
   ErrorCode fault = ErrorCode::none;  ///< 603Fh of the fault that it causes
-  std::string_view effect;            ///< when that is, or what it does
+  std::string_view effect;            ///< when the fault occurs, or what the input does
 };
 
 /// Every disturbance, in the order of its objects.

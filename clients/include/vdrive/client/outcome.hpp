@@ -17,30 +17,30 @@ namespace vdrive::client {
 /// How a call ended.
 enum class OutcomeKind : std::uint8_t {
   ok,
-  refused,    ///< the service, the dictionary or the drive's state does not allow it: see the code
+  refused,  ///< not allowed by the service, the dictionary or the state of the drive: see the code
   timed_out,  ///< the deadline passed first
   not_found,  ///< no such bench, axis or name was found
-  lost,       ///< the service stopped sending, shuts down, ended or was restarted
+  lost,       ///< the service stopped sending, is shutting down, has ended or was restarted
   failed,     ///< accepted, but ended by a fault, another command or an interrupt
 };
 
 /// Code of a refusal by this program's own permissions (closed mode): nothing was sent to a bench.
 inline constexpr std::uint32_t kNotPermitted = 1000;
 
-/// A code of a refusal and its name in programs, such as "refused_local_control".
+/// The code of a refusal and its symbolic name, such as "refused_local_control".
 struct RefusalCode {
   std::uint32_t code = 0;
   std::string_view name;
 };
 
-/// @return every code that an outcome may have, by number: reasons of the wire contract,
+/// @return every code that an outcome can have, in numerical order: reasons of the wire contract,
 ///         kNotPermitted and CiA 301 abort codes.
 [[nodiscard]] std::vector<RefusalCode> refusal_codes();
 
 /// @return the kind as one word, such as "timed_out".
 [[nodiscard]] std::string_view to_string(OutcomeKind kind) noexcept;
 
-/// Answer to a client call. Converts to true when the call did what it is for.
+/// The outcome of a client call. Converts to true if the call succeeded.
 class [[nodiscard]] Outcome {
  public:
   /// Success.
@@ -49,8 +49,8 @@ class [[nodiscard]] Outcome {
   /// @param code a CiA 301 abort code, or a reason of the wire contract (below 0x05000000)
   static Outcome refused(std::uint32_t code, std::string message);
 
-  /// The same because of another session: the message ends with the owner instead of the code's
-  /// meaning.
+  /// As above, if another session is the reason: the message ends with the owner instead of the
+  /// meaning of the code.
   static Outcome refused(std::uint32_t code, std::string message, AxisOwner owner);
   static Outcome timed_out(std::string message);
   static Outcome not_found(std::string message);
@@ -61,29 +61,30 @@ class [[nodiscard]] Outcome {
 
   explicit operator bool() const noexcept { return kind_ == OutcomeKind::ok; }
 
-  /// Code of a refusal, else 0.
+  /// The code of a refusal, otherwise 0.
   [[nodiscard]] std::uint32_t code() const noexcept { return code_; }
 
-  /// For a program that ends, or handles all failures in one place.
+  /// For a program that exits on failure, or handles all failures in one place.
   /// @throws OutcomeError with this outcome, unless it is success.
   void or_throw() const;
 
-  /// Who holds the axis that the call was refused for, or lost; nullptr where it is not known that
-  /// it was because of another session.
+  /// The session that holds the axis that the call was refused for, or that the call lost; nullptr
+  /// unless another session is known to be the reason.
   [[nodiscard]] const AxisOwner* owner() const noexcept { return owner_.get(); }
 
-  /// @return the same refusal because of that session; the owner takes the place of the owner or of
-  ///         the code's meaning at the end of its message. Other outcomes stay as they are.
+  /// @return the same refusal, attributed to `owner`: in the message, the new owner replaces the
+  ///         old owner or the meaning of the code at the end. Other outcomes are returned
+  ///         unchanged.
   [[nodiscard]] Outcome with_owner(AxisOwner owner) const;
 
-  /// @return the same outcome with `words` in front of its message: what that came to.
+  /// @return the same outcome with `words` in front of its message, to say what the failure led to.
   [[nodiscard]] Outcome with_prefix(std::string_view words) const;
 
   /// @return the same outcome with another message.
   [[nodiscard]] Outcome with_message(std::string message) const;
 
-  /// What happened, in a sentence without a full stop; empty on success. A refusal's message ends
-  /// with the meaning of its code, or with the session that stands in the way.
+  /// The message: a sentence without a full stop; empty on success. The message of a refusal ends
+  /// with the meaning of its code, or with the session that holds the axis.
   [[nodiscard]] const std::string& message() const noexcept { return message_; }
 
  private:
@@ -95,7 +96,7 @@ class [[nodiscard]] Outcome {
   std::shared_ptr<const AxisOwner> owner_;
 };
 
-/// What Outcome::or_throw() and Result::value() throw: the message of the outcome.
+/// Thrown by Outcome::or_throw() and Result::value(), with the message of the outcome.
 class OutcomeError final : public std::runtime_error {
  public:
   explicit OutcomeError(Outcome outcome);
@@ -109,18 +110,19 @@ class OutcomeError final : public std::runtime_error {
 /// Writes the message of the outcome to standard error and ends the program.
 [[noreturn]] void abort_on_failed_result(const Outcome& outcome) noexcept;
 
-/// A value, or the outcome that stands in its place.
+/// A value, or the outcome of the call that failed to produce it.
 template <typename Value>
 class [[nodiscard]] Result {
  public:
-  // Implicit on purpose: a function returns either.
+  // Implicit by design: a function returns either.
   Result(Value value) : value_(std::move(value)) {}  // NOLINT(google-explicit-constructor)
 
   Result(Outcome failure) : outcome_(std::move(failure)) {}  // NOLINT(google-explicit-constructor)
 
   explicit operator bool() const noexcept { return value_.has_value(); }
 
-  /// The value. @throws OutcomeError when there is none.
+  /// The value.
+  /// @throws OutcomeError if there is none.
   [[nodiscard]] const Value& value() const& {
     throw_if_failed();
     return *value_;
@@ -131,20 +133,20 @@ class [[nodiscard]] Result {
     return *value_;
   }
 
-  /// Of a result that nobody keeps, by value: a reference into it would end with the expression,
-  /// also in `for (auto& axis : session.axes().value())`.
+  /// For a temporary result, by value: a reference into it would dangle at the end of the
+  /// expression, also in `for (auto& axis : session.axes().value())`.
   [[nodiscard]] Value value() && {
     throw_if_failed();
     return std::move(*value_);
   }
 
-  /// A copy: what is constant cannot give its value away.
+  /// A copy: a constant result cannot be moved from.
   [[nodiscard]] Value value() const&& {
     throw_if_failed();
     return *value_;
   }
 
-  /// The value; only when this converts to true. Otherwise the program ends with the message of the
+  /// The value; only if this converts to true. Otherwise the program ends with the message of the
   /// outcome, in every build.
   [[nodiscard]] const Value& operator*() const& noexcept {
     abort_if_failed();
@@ -156,7 +158,7 @@ class [[nodiscard]] Result {
     return *value_;
   }
 
-  /// By value, as value() is.
+  /// By value, like value().
   [[nodiscard]] Value operator*() && noexcept {
     abort_if_failed();
     return std::move(*value_);
@@ -167,8 +169,9 @@ class [[nodiscard]] Result {
     return *value_;
   }
 
-  /// A member of the value, as `*` is. Of a result that nobody keeps it is valid until the end of
-  /// the expression: what lasts longer, such as the range of a `for`, takes value() and its member.
+  /// A member of the value, like `*`. For a temporary result it is valid until the end of the
+  /// expression: for anything longer-lived, such as the range of a `for`, use value() and its
+  /// member.
   [[nodiscard]] const Value* operator->() const noexcept {
     abort_if_failed();
     return &*value_;
@@ -179,7 +182,7 @@ class [[nodiscard]] Result {
     return &*value_;
   }
 
-  /// Success when there is a value.
+  /// Success if there is a value.
   [[nodiscard]] const Outcome& outcome() const noexcept { return outcome_; }
 
  private:

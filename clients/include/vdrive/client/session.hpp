@@ -22,7 +22,7 @@
 #include <vector>
 
 namespace vdrive::wire {
-class LocalBus;  ///< opaque: a bench in this process makes it
+class LocalBus;  ///< opaque: created by a bench in this process
 }  // namespace vdrive::wire
 
 namespace vdrive::client {
@@ -31,65 +31,67 @@ class AxisGroup;
 class SessionCore;
 class StepClock;
 
-/// Who sends keep-alives to the benches while this program holds axes.
+/// What keeps this program's axes alive while it holds them: the source of the keep-alives.
 enum class KeepAlive : std::uint8_t {
-  own_thread,   ///< the session itself, every 25 ms while the bench runs in realtime
+  own_thread,   ///< a thread of the session, every 25 ms while the bench runs in realtime
   user_frames,  ///< only the user's own commands: a program that hangs loses its axes
 };
 
-/// @return the DDS domain that the environment variable VDRIVE_DOMAIN names, 0 when it is not set.
-/// @throws std::runtime_error when it is set, but no number from 0 to 232
+/// @return the DDS domain in the environment variable VDRIVE_DOMAIN, 0 if it is not set.
+/// @throws std::runtime_error if it is set, but not to a number from 0 to 232
 [[nodiscard]] std::uint32_t default_domain();
 
-/// What to reach, and how. The defaults see every bench of this machine on the default domain.
+/// Where to look for benches, and how. The defaults find every bench of this machine on the default
+/// domain.
 struct SessionOptions {
   /// A session that misses the first message of an authentication gets the next one a second later.
   static constexpr std::chrono::milliseconds kFindTimeoutOfClosedMode{5'000};
 
   std::optional<std::uint32_t> domain{};  ///< DDS domain, 0 to 232; none = default_domain()
-  std::vector<std::string> interfaces{};  ///< in the networks to use: own addresses, or names such
-                                          ///< as eth0; empty = loopback only
+  std::vector<std::string> interfaces{};  ///< networks to use: own addresses, or names such as
+                                          ///< eth0; empty = loopback only
   std::vector<std::string> peers{};       ///< hosts searched for benches in addition to multicast
   std::vector<std::string>
       discovery_servers{};  ///< such as "10.0.0.9:11811", instead of multicast and peers
-  std::string security{};   ///< directory of the closed mode's material; empty = open
-  std::optional<std::uint32_t> bench{};  ///< see this bench only
+  std::string security{};   ///< directory with the material of the closed mode; empty = open
+  std::optional<std::uint32_t> bench{};  ///< find this bench only
   KeepAlive keep_alive = KeepAlive::own_thread;
-  /// Wall time that finding a service may take; in the closed mode better kFindTimeoutOfClosedMode.
-  /// A service that has announced itself, and a busy machine, get more: see find_benches().
+  /// Wall time allowed for finding a service; in the closed mode use kFindTimeoutOfClosedMode. If a
+  /// service has announced itself, or on a busy machine, it may take longer: see find_benches().
   std::chrono::milliseconds find_timeout{2000};
   /// A call that waits reports a service as lost when its newest sample is older than this [wall
-  /// time], 50 ms or more: a busy machine may stop a process for some hundred milliseconds, and a
-  /// service sends nothing while its network process restarts. Session::watch_services reports the
+  /// time, 50 ms or more]: a busy machine may stop a process for some hundred milliseconds, and a
+  /// service sends nothing while its wire process restarts. Session::watch_services reports the
   /// silence earlier.
   std::chrono::milliseconds silence{1500};
-  /// What follows a bench (Follower, Session::wait, wait_for_tick, on_status) continues after a
-  /// silence up to this [wall time], so that it survives the replacement of the network process; a
-  /// follower counts what it missed. One shorter than `silence` acts as `silence`. In neither of
-  /// them counts a time in which this program did not run itself: stopped, or without a processor.
+  /// Calls that follow a bench (Follower, Session::wait, wait_for_tick, on_status) continue after a
+  /// silence up to this [wall time], so that they survive a restart of the wire process; a follower
+  /// counts the samples it missed. Values below `silence` act as `silence`. Time in which this
+  /// program itself did not run (stopped, or without a processor) counts towards neither.
   std::chrono::milliseconds patience{10'000};
-  /// The benches of this process that the session sees (vdrive::bench::Bench::bus); nothing = those
-  /// of the network. With a bus no option of the network counts, and a bench is there or not: no
-  /// silence and no patience count either. A `silence` out of its range is refused all the same.
+  /// The benches of this process that the session sees (vdrive::bench::Bench::bus); null = those of
+  /// the network. With a bus, no network option applies, and a bench is either there or not:
+  /// `silence` and `patience` have no effect either. A `silence` out of range is still refused.
   std::shared_ptr<wire::LocalBus> bus{};
-  /// What others read of who controls an axis, at most 64 bytes of UTF-8, beside the number of this
-  /// process and the name of its host; empty = the name of the file that this process runs.
+  /// Name shown to others as the controller of an axis, at most 64 bytes of UTF-8, along with the
+  /// number of this process and the name of its host; empty = the file name of this process's
+  /// program.
   std::string program{};
 };
 
-/// What happened to a service.
+/// A change in the presence of a service.
 enum class ServiceNews : std::uint8_t {
   found,         ///< it is there
   fell_silent,   ///< no sample arrived: it ended, hangs, or the network is down
   sends_again,   ///< the same run of the service as before
-  restarted,     ///< another run: no session holds an axis of it, every axis is disabled
+  restarted,     ///< another run: no session holds any of its axes, and every axis is disabled
   went_offline,  ///< it announced its end
 };
 
 /// @return the news as one word, such as "fell_silent".
 [[nodiscard]] std::string_view to_string(ServiceNews news) noexcept;
 
-/// One change that Session::watch_services reports.
+/// One change reported by Session::watch_services.
 struct ServiceChange {
   std::uint32_t bench = 0;
   ServiceNews news = ServiceNews::found;
@@ -97,7 +99,7 @@ struct ServiceChange {
   std::string text;                     ///< such as "bench 1 stopped sending 83 ms ago"
 };
 
-/// Objects that one set-point can have beside position, mode and controlword.
+/// Most objects in one set-point in addition to position, mode and controlword.
 inline constexpr std::size_t kMostObjectsOfSetPoint = 8;
 
 /// A value for an object of an axis.
@@ -106,32 +108,34 @@ struct ObjectValue {
   std::int64_t value = 0;  ///< in the unit of the object
 };
 
-/// What a frame of set-points brings to one axis. What is not given stays.
+/// The contents of a frame of set-points for one axis. Members without a value change nothing.
 struct SetPoint {
   std::uint16_t axis = 0;                      ///< number on the bench
   std::optional<OperatingMode> mode{};         ///< 6060h
   std::optional<std::int32_t> position{};      ///< 607Ah [UU]
   std::optional<std::int32_t> velocity{};      ///< 60FFh [UU/s]
   std::optional<std::int16_t> torque{};        ///< 6071h [‰ of rated torque]
-  std::optional<std::uint16_t> controlword{};  ///< 6040h, acts last
+  std::optional<std::uint16_t> controlword{};  ///< 6040h, takes effect last
   /// Further objects, written in this order after the members above and before the controlword;
-  /// with velocity and torque at most kMostObjectsOfSetPoint. The bench refuses an object that it
-  /// does not have, that may not be written, or that acts on power or memory, such as 1010h.
+  /// velocity, torque and these together at most kMostObjectsOfSetPoint. The bench refuses an
+  /// object that it does not have, that is not writable, or that acts on power or memory, such as
+  /// 1010h.
   std::vector<ObjectValue> objects{};
 };
 
-/// Objects to write before a stream that has a set-point for each tick and nothing beside it, each
-/// 0: 60C2h:01 and the offsets 60B0h, 60B1h and 60B2h, which another master may have left.
+/// Objects to set to 0 before a stream that has a set-point for each tick and nothing else:
+/// 60C2h:01 and the offsets 60B0h, 60B1h and 60B2h, which another master may have set.
 [[nodiscard]] std::vector<ObjectValue> objects_before_stream();
 
-/// Set-points that are in force in one tick.
+/// Set-points that take effect in one tick.
 struct SetPointFrame {
-  std::uint64_t tick = 0;        ///< 0 = the next
-  bool drops_waiting = false;    ///< first drops the frames of the session that wait for their tick
-  std::vector<SetPoint> axes{};  ///< each once; more than kMostAxesAtOnce are sent in parts
+  std::uint64_t tick = 0;      ///< 0 = the next
+  bool drops_waiting = false;  ///< first drop this session's frames that are waiting for their tick
+  std::vector<SetPoint>
+      axes{};  ///< each once; more than kMostAxesAtOnce are sent in several frames
 };
 
-/// A value of a set-point that its drive has refused: the object keeps the one that it has.
+/// A value in a set-point that the drive refused: the object keeps its old value.
 struct SetPointRefusal {
   AxisId axis;
   ObjectAddress object;
@@ -140,7 +144,7 @@ struct SetPointRefusal {
   friend auto operator<=>(const SetPointRefusal&, const SetPointRefusal&) = default;
 };
 
-/// A saved state of all axes of a bench, which the bench keeps.
+/// A saved state of all axes of a bench, kept by the bench.
 struct KeptSnapshot {
   std::uint64_t number = 0;
   std::uint64_t tick = 0;  ///< in which it was taken
@@ -148,24 +152,24 @@ struct KeptSnapshot {
 
 /// Whether a follower advances the clock of a lock-step bench.
 enum class Pace : std::uint8_t {
-  drive,    ///< in lock-step each sample is a step of one tick; else follows the status stream
+  drive,    ///< in lock-step each sample steps one tick; otherwise follows the status stream
   observe,  ///< follows the status stream, whoever advances the clock, also while it is paused
 };
 
-/// How far the samples of a follower were behind the time of their bench when the program got them.
-/// That time is the newest tick that the session has received from the bench, in a status or in a
-/// state; so a program that takes samples slower than they come shows, and a network whose delay is
-/// the same for all messages does not. Differences of the tick number count as drive time, also
-/// those that the number jumped over. A sample that is a step of its own (lock-step with
+/// How far the samples of a follower lagged behind the time of their bench when the program got
+/// them. That time is the newest tick that the session has received from the bench, in a status or
+/// a state message. So a program that takes samples more slowly than they arrive becomes visible,
+/// and a constant network delay does not. Differences of the tick number count as drive time,
+/// including jumps of the number. A sample from a step of the follower itself (lock-step with
 /// Pace::drive) is never late.
 struct Lateness {
-  std::uint64_t samples = 0;           ///< that the follower gave
-  std::uint64_t late = 0;              ///< of these, those after which a later one was due already
-  std::chrono::nanoseconds last{};     ///< [drive time] of the newest sample
+  std::uint64_t samples = 0;        ///< returned by the follower
+  std::uint64_t late = 0;           ///< of these, those returned when a later one was already due
+  std::chrono::nanoseconds last{};  ///< [drive time] of the newest sample
   std::chrono::nanoseconds longest{};  ///< [drive time]
 };
 
-/// Sees axes of one bench tick by tick. Made by Session::follow; must not outlive the session.
+/// Follows axes of one bench tick by tick. Made by Session::follow; must not outlive the session.
 class Follower {
  public:
   ~Follower();
@@ -174,24 +178,24 @@ class Follower {
   Follower(Follower&&) noexcept;
   Follower& operator=(Follower&&) noexcept;
 
-  /// Waits for the next tick that shows all axes; in lock-step with Pace::drive steps to it.
+  /// Waits for the next tick with all axes; in lock-step with Pace::drive, steps to it.
   /// @param patience wall time to wait for a sample
-  /// @return timed_out after `patience`, lost when the service was silent for
-  ///         SessionOptions::patience, has ended or was restarted, failed when interrupted or, with
-  ///         Pace::drive, when the bench is paused. After a silence the same follower continues.
+  /// @return timed_out after `patience`; lost if the service was silent for
+  ///         SessionOptions::patience, has ended or was restarted; failed if interrupted or, with
+  ///         Pace::drive, if the bench is paused. After a silence the same follower continues.
   Result<Observation> next(std::chrono::milliseconds patience);
 
-  /// The same, with the memory of an earlier sample: a program that gives each one back follows
-  /// thousands of axes without an allocation a tick.
-  /// @param sample the next one on success, else as it was
+  /// As above, reusing the memory of an earlier sample: a program that passes each sample back
+  /// follows thousands of axes without an allocation per tick.
+  /// @param sample set to the next one on success, otherwise unchanged
   Outcome next(std::chrono::milliseconds patience, Observation& sample);
 
-  /// @return whether next() would wait neither for a time nor for other steppers: a sample waits,
-  /// or
-  ///         this session alone steps the bench. Then no interrupt that comes meanwhile ends it.
+  /// @return whether next() would return without waiting for time or other steppers: a sample is
+  ///         available, or this session alone steps the bench. Then an interrupt during next() does
+  ///         not end it.
   [[nodiscard]] bool has_next() const;
 
-  /// @return since the follower was made.
+  /// @return the figures since the follower was made.
   [[nodiscard]] Lateness lateness() const noexcept;
 
  private:
@@ -205,8 +209,8 @@ class Follower {
 /// Session::report_status; must not outlive the session.
 class StatusReports {
  public:
-  /// Waits for a report that is under way. Its own observer may destroy it, too: then the report
-  /// that is under way is the last one.
+  /// Waits for a report in progress. The observer itself may also destroy this: then the report in
+  /// progress is the last one.
   ~StatusReports();
   StatusReports(const StatusReports&) = delete;
   StatusReports& operator=(const StatusReports&) = delete;
@@ -225,187 +229,186 @@ class StatusReports {
   std::unique_ptr<State, End> state_;
 };
 
-/// A program's presence on a domain: finds benches, reads, writes, commands their axes.
+/// A program's presence on a domain: finds benches, and reads, writes and commands their axes.
 ///
-/// A session is a random 64-bit number. It acquires an axis with the first command to it, keeps
-/// every axis that it has and releases all of them when it ends; a release leaves an axis as it is.
-/// It does not release an axis that one of its calls has set into a motion without an end (a
-/// velocity, a torque, a stream, set-points) and that it has not seen stop since: free and running,
-/// nothing would stop it. That axis stays with the session, and the watchdog of the bench stops it
-/// when the session is silent. A call that has reached the velocity or the torque that it was to
-/// leave has done so on purpose: its axis is released.
-/// Deadlines of motion are drive time, the ticks that are run: a jump of the tick number uses up
-/// none of it. In freerun they count from the tick in which the last command of the call came into
-/// force: until it arrives, such a bench may run minutes of drive time. Finding a service and
-/// noticing its silence are wall time. A call that waits for drive time fails once its bench is
-/// paused. In lock-step, calls that wait step the clock themselves; while the session has joined
-/// the clock (StepClock) they grant their ticks and wait for the other steppers, up to 10 s of wall
-/// time for the next tick.
+/// A session is identified by a random 64-bit number. It acquires an axis with its first command to
+/// it, keeps all its axes until it ends and releases them then; releasing an axis does not affect
+/// its motion. It does not release an axis that one of its calls set into a motion without an end
+/// (a velocity, a torque, a stream, set-points) and that it has not seen stop since: nothing would
+/// stop a free axis. That axis stays with the session, and the watchdog of the bench stops it when
+/// the session falls silent. A call that reached the velocity or torque that it should leave
+/// running did so on purpose: its axis is released.
 ///
-/// In the closed mode the identity may be a viewer's: then what is published can be seen, and every
-/// call that would have to send something to a bench is refused with kNotPermitted.
+/// Time-outs of motion are drive time, counted in ticks that are run: a jump of the tick number
+/// uses up none of it. In freerun they count from the tick in which the last command of the call
+/// took effect, because such a bench may run minutes of drive time before a command arrives.
+/// Time-outs for finding a service and for noticing its silence are wall time. A call that waits
+/// for drive time fails when its bench is paused. In lock-step, calls that wait step the clock
+/// themselves; while the session has joined the clock (StepClock), they grant their ticks and wait
+/// for the other steppers, up to 10 s of wall time for the next tick.
 ///
-/// When the network part of a service starts anew, or the link comes back, calls that wait continue
-/// by themselves: what was not answered is sent again, and acts once. Axes that the bench took away
-/// meanwhile are not taken again.
+/// In the closed mode the identity may be a viewer's: then everything published can be read, and
+/// every call that would send something to a bench is refused with kNotPermitted.
 ///
-/// Calls may come from several threads. Steps of a lock-step bench that several threads ask for at
-/// once follow each other; each is answered with the tick that it reached.
+/// When the wire process of a service restarts, or the network link comes back, calls that wait
+/// continue: unanswered requests are sent again and take effect once. Axes that the bench took away
+/// in the meantime are not acquired again.
 ///
-/// Observers (watch_services, on_event, on_status, report_status) run in threads of the session,
-/// never in a call of the program. They may call the session, wait, and end or replace their own
-/// reports. An exception that leaves an observer ends its reports. The next call that needs a bench
-/// throws it, once; of several observers each call throws the exception of one: a call of the
-/// session, of its axes and groups, of its followers, StepClock::join, StepClock::step or
-/// StepClock::step_for. Not a call that stops axes (see interrupt()) or gives them back (release),
-/// nor present_benches, no_bench_found, on_event, watch_services, abandon and
-/// AxisGroup::queue_move, nor a call of an observer of the same session.
+/// Calls may come from several threads. If several threads step a lock-step bench at the same time,
+/// the steps run one after the other; each call returns the tick that it reached.
 ///
-/// A process that was forked cannot use the session of its parent: calls return lost there, those
-/// without an outcome throw OutcomeError or do nothing, and nothing ends.
+/// Observers (watch_services, on_event, on_status, report_status) run on threads of the session,
+/// never within a call of the program. They may call the session, wait, and end or replace their
+/// own reports. An exception that leaves an observer ends its reports and is rethrown, once, by the
+/// next call that needs a bench; if several observers threw, each call rethrows one exception. Such
+/// calls are those of the session, of its axes, groups and followers, StepClock::join,
+/// StepClock::step and StepClock::step_for. Exempt are calls that stop axes (see interrupt()) or
+/// release them, present_benches, no_bench_found, on_event, watch_services, abandon,
+/// AxisGroup::queue_move, and calls from an observer of the same session.
+///
+/// A forked process cannot use the session of its parent: there, calls return lost, those without
+/// an outcome throw OutcomeError or do nothing, and nothing is released.
 class Session {
  public:
-  /// @throws std::runtime_error when the domain or `silence` is out of range, VDRIVE_DOMAIN is
-  ///         needed and is no domain, the security material is not in order, or DDS cannot be set
-  ///         up.
+  /// @throws std::runtime_error if the domain or `silence` is out of range, VDRIVE_DOMAIN is needed
+  ///         but is not a domain, the security material is not valid, or DDS cannot be set up.
   explicit Session(const SessionOptions& options = {});
 
-  /// Gives all axes back. Axes and groups of the session, and their copies, command nothing any
-  /// more.
+  /// Releases all axes. Axes and groups of the session, and their copies, can command nothing from
+  /// then on.
   ~Session();
   Session(const Session&) = delete;
   Session& operator=(const Session&) = delete;
 
-  /// The session's number; the owner that an axis shows while this session holds it.
+  /// The session's number: the owner that an axis shows while this session holds it.
   [[nodiscard]] std::uint64_t id() const noexcept;
 
-  /// @return who a session is, such as the owner that an axis of this bench shows: what its program
-  ///         said when it acquired an axis of the bench first; nothing for one that says nothing,
-  ///         such as a client of another vendor. Waits up to a second where the name has to be
-  ///         received first, up to 100 ms for a session that was not asked for before.
+  /// @return the name of a session, such as the owner that an axis of this bench shows, as its
+  ///         program stated it on first acquiring an axis of the bench; nothing for a session
+  ///         without a name, such as a client of another vendor. Waits up to a second if the name
+  ///         must be received first, up to 100 ms for a session not asked for before.
   [[nodiscard]] std::optional<SessionName> find_name(std::uint32_t bench, std::uint64_t session);
 
-  /// @return the same without waiting: what has arrived since the first call of either.
+  /// @return as find_name() without waiting: what has arrived since the first call of either.
   [[nodiscard]] std::optional<SessionName> known_name(std::uint32_t bench, std::uint64_t session);
 
-  /// Waits until some bench is there, every service that announced itself has described its bench,
-  /// and no further one turns up for 150 ms, or for four times as long as the first one took; in
-  /// all at most for `find_timeout`. While there is no bench, but a service has announced itself,
-  /// for three times as long. Where the machine lets this thread run late, it waits longer by four
-  /// times that delay, at most by three times `find_timeout`.
-  /// @return the benches by number; none after that time. A bench is there while its samples are
-  ///         younger than 300 ms and it has not announced its end.
+  /// Waits until there is a bench, every service that announced itself has described its bench, and
+  /// no further bench has appeared for 150 ms or for four times as long as the first one took; at
+  /// most `find_timeout` in total. Three times as long while there is no bench, but a service has
+  /// announced itself. If the machine runs this thread late, the wait grows by four times that
+  /// delay, by at most three times `find_timeout`.
+  /// @return the benches by number; empty if none was found in that time. A bench is there while
+  ///         its samples are younger than 300 ms and it has not announced its end.
   [[nodiscard]] std::vector<BenchInfo> find_benches();
 
-  /// @return not_found for a program that needs a bench where find_benches() found none: the
-  ///         message names what the newest search saw, such as a service without a description.
+  /// @return not_found, for a program that needs a bench when find_benches() found none: the
+  ///         message names what the last search saw, such as a service without a description.
   [[nodiscard]] Outcome no_bench_found() const;
 
-  /// @return what is in the way of finding benches now, a line each: a name of a host that does not
-  ///         resolve, a discovery server that does not answer. Empty: nothing that is known.
+  /// @return the known obstacles to finding benches at present, one per line: a host name that does
+  ///         not resolve, a discovery server that does not answer. Empty if none is known.
   [[nodiscard]] std::vector<std::string> network_troubles() const;
 
-  /// The benches that are there now, by number. Waits for none.
+  /// The benches that are there now, by number. Does not wait.
   [[nodiscard]] std::vector<BenchInfo> present_benches() const;
 
   /// @param number of the bench; none = the only one there is
-  /// @return not_found after `find_timeout` or, without a number, when several are there. The
-  ///         message names what was looked for and what was found.
+  /// @return not_found after `find_timeout` or, without a number, if there are several. The message
+  ///         names what was looked for and what was found.
   Result<BenchInfo> find_bench(std::optional<std::uint32_t> number = std::nullopt);
 
-  /// @param text an address such as "1.2" or "1.lift", or the name of an axis
-  /// A name is found as soon as a bench that has it answers. Where benches may share a name, give
-  /// the address: one that answers late is not compared.
-  /// @return not_found after `find_timeout`, at once when the bench is there without such an axis
-  ///         or several axes have the name.
+  /// @param text an address such as "1.2" or "1.lift", or the name of an axis. A name is found as
+  ///        soon as a bench that has it answers. If benches may share a name, use the address: a
+  ///        bench that answers late is not compared.
+  /// @return not_found after `find_timeout`; immediately if the bench is there but has no such
+  ///         axis, or if several axes have the name.
   Result<Axis> axis(std::string_view text);
 
   /// Every axis of a bench, by number.
   /// @param bench none = the only one there is
-  /// @return not_found as find_bench() is.
+  /// @return not_found as in find_bench().
   Result<std::vector<Axis>> axes(std::optional<std::uint32_t> bench = std::nullopt);
 
-  /// Takes control of axes of one bench without a command: of all of them, or of none when one is
-  /// refused. Of more than kMostAxesAtOnce axes the first of them decide.
+  /// Takes control of axes of one bench without a command: of all of them, or of none if one is
+  /// refused. With more than kMostAxesAtOnce axes, the first of them decide.
   /// @param axes of one bench, each once
-  /// @return refused when another session holds one of them.
+  /// @return refused if another session holds one of them.
   Outcome acquire(std::span<const AxisId> axes);
 
-  /// Gives several axes the same command: first to all of them, then waits for all. One that
-  /// refuses it or fails does not keep it from the others; the time-out is that of all together.
-  /// @param axes of this session, of any benches, each once
-  /// @return one outcome an axis, in their order, as the call of Axis has it.
+  /// Gives several axes the same command: sends it to all of them, then waits for all. An axis that
+  /// refuses it or fails does not affect the others; the time-out applies to all of them together.
+  /// @param axes of this session, on any benches, each once
+  /// @return one outcome per axis, in their order, as the corresponding call of Axis returns it.
   std::vector<Outcome> command_each(std::span<const Axis> axes, EachCommand command,
                                     const CallOptions& options = {});
 
   /// Steps a lock-step bench.
-  /// @return the tick reached; refused under another clock mode, and while others have joined the
-  ///         clock and this session has not; timed_out, naming the stepper that time waits for.
+  /// @return the tick reached; refused in another clock mode, and if others have joined the clock
+  ///         and this session has not; timed_out, naming the stepper that time waits for.
   Result<std::uint64_t> step(std::uint32_t bench, std::uint64_t ticks);
 
-  /// @return whether step() would take one request, at most 2,000 ticks, of this session alone, of
-  /// a
-  ///         bench that is present. Then no interrupt that comes meanwhile ends it.
+  /// @return whether step() would take one request (at most 2,000 ticks) of this session alone, to
+  ///         a bench that is present. Then an interrupt during step() does not end it.
   [[nodiscard]] bool steps_at_once(std::uint32_t bench, std::uint64_t ticks) const;
 
   /// Sets how fast drive time passes on a realtime bench, for everybody.
   /// @param rate drive time over wall time: 0 = pause, 0.1 to 100
-  /// @return the tick in which the rate changed; refused outside of the range and under another
-  ///         clock mode.
+  /// @return the tick in which the rate changed; refused out of range and in another clock mode.
   Result<std::uint64_t> set_rate(std::uint32_t bench, double rate);
 
-  /// Lets drive time pass, rounded up to ticks: steps in lock-step, else waits until as many ticks
-  /// were run. A jump of the tick number makes it no shorter.
-  /// @return the tick reached; lost when the service was silent for SessionOptions::patience.
+  /// Lets drive time pass, rounded up to ticks: steps in lock-step, otherwise waits until that many
+  /// ticks have run. A jump of the tick number does not shorten the wait.
+  /// @return the tick reached; lost if the service was silent for SessionOptions::patience.
   Result<std::uint64_t> wait(std::uint32_t bench, std::chrono::nanoseconds duration);
 
-  /// Waits until the bench has reached `tick`, also by a jump of the number over it; in lock-step
-  /// steps to it.
+  /// Waits until the bench has reached `tick`, or has jumped over it; in lock-step, steps to it.
   /// @return the tick reached.
   Result<std::uint64_t> wait_for_tick(std::uint32_t bench, std::uint64_t tick);
 
   /// Takes a snapshot of all axes of a bench whose time stands still: in lock-step, or paused.
-  /// @return its number; refused while time passes, or when the bench keeps 16 already.
+  /// @return its number; refused while time passes, or if the bench already keeps 16.
   Result<std::uint64_t> take_snapshot(std::uint32_t bench);
 
-  /// Puts all axes back into the state of a snapshot. The tick number continues, owners stay,
-  /// frames that wait are dropped.
-  /// @return the tick; refused while time passes, when there is no such snapshot, or when another
+  /// Restores all axes to the state of a snapshot. The tick number continues, owners keep their
+  /// axes, waiting frames are dropped.
+  /// @return the tick; refused while time passes, if there is no such snapshot, or if another
   ///         session holds an axis.
   Result<std::uint64_t> restore_snapshot(std::uint32_t bench, std::uint64_t snapshot);
 
-  /// @return the snapshots that a bench keeps, by number; in any clock mode.
+  /// @return the snapshots that a bench keeps, by number; works in any clock mode.
   Result<std::vector<KeptSnapshot>> snapshots(std::uint32_t bench);
 
-  /// Returns what was written to the axes of a bench, by whomever, accepted or refused. From
-  /// the first such call on a bench keeps the last 65,536.
-  /// @param place of the last one that is known; 0 = from the oldest that is kept
-  /// @return some 60 of them; none when there is nothing new. Refused by a service without them.
+  /// Returns the writes to the axes of a bench, by anyone, accepted or refused. From the first such
+  /// call, the bench keeps the last 65,536.
+  /// @param place of the last one already read; 0 = start with the oldest that is kept
+  /// @return about 60 of them; empty if there is nothing new. Refused by a service that keeps none.
   Result<AxisWrites> writes(std::uint32_t bench, std::uint64_t place = 0);
 
-  /// @return the windows of the black box of a bench, by number: what happened around the last
-  ///         faults, losses of a master and stops by somebody. Refused where it has no black box.
+  /// @return the windows in the black box of a bench, by number: what happened around the last
+  ///         faults, losses of a master and stops by another session. Refused if it has no black
+  ///         box.
   Result<std::vector<KeptWindow>> windows(std::uint32_t bench);
 
   /// Keeps a window around now: from 2 s before to 0.5 s after, in drive time.
   /// @return its number
   Result<std::uint64_t> freeze_window(std::uint32_t bench);
 
-  /// Returns what axes of one bench did in a window, tick by tick. Waits while the bench still
-  /// records it; where time stands, it ends now.
-  /// @return refused when there is no such window
+  /// Returns what axes of one bench did in a window, tick by tick. Waits while the bench is still
+  /// recording it; if time stands still, the window ends now.
+  /// @return refused if there is no such window
   Result<Window> window(std::uint64_t number, std::span<const AxisId> axes);
 
-  /// Forgets a snapshot.
-  /// @return refused while time passes, or when there is no such snapshot.
+  /// Deletes a snapshot.
+  /// @return refused while time passes, or if there is no such snapshot.
   Outcome drop_snapshot(std::uint32_t bench, std::uint64_t snapshot);
 
-  /// Sends set-points to axes of one bench, which the session holds, in order, and waits for no
-  /// answer: the status shows what became of them; on_event() reports that one was refused, and
-  /// on_set_point_refusal() each value. Frames for later ticks, up to 10 s ahead and up to 1,024 of
-  /// all sessions, wait in the bench; one that comes too late is refused. Steps no clock.
-  /// @return lost when the bench cannot be reached, refused without permission to command; failed,
-  ///         with nothing sent, when a set-point has too many objects.
+  /// Sends set-points, in order, to axes of one bench that the session holds, without waiting for
+  /// an answer. The status shows their effect; on_event() reports a refusal, and
+  /// on_set_point_refusal() each refused value. Frames for later ticks, up to 10 s ahead and up to
+  /// 1,024 from all sessions, wait in the bench; one that arrives too late is refused. Does not
+  /// step the clock.
+  /// @return lost if the bench cannot be reached; refused without permission to command; failed,
+  ///         with nothing sent, if a set-point has too many objects.
   Outcome send_set_points(std::uint32_t bench, std::span<const SetPointFrame> frames);
 
   /// The present state of some axes of one bench.
@@ -413,82 +416,87 @@ class Session {
   Result<Observation> observe(std::span<const AxisId> axes);
 
   /// @param axes of one bench
-  /// @return refused when one of them is named twice.
+  /// @return refused if an axis is named twice.
   Result<Follower> follow(std::vector<AxisId> axes, Pace pace);
 
-  /// Calls `observer`, in a thread of the session, when a service is found, falls silent, sends
-  /// again, restarts or goes offline. A silence is judged by the age of samples: it is reported
-  /// within 100 ms while the bench ticks, within 300 ms where time stands still (lock-step,
-  /// paused).
-  /// @param observer must not end the session; an empty one ends the watch. It replaces the last.
+  /// Calls `observer`, on a thread of the session, when a service is found, falls silent, sends
+  /// again, restarts or goes offline. Silence is judged by the age of samples: it is reported
+  /// within 100 ms while the bench ticks, within 300 ms if time stands still (lock-step, paused).
+  /// @param observer must not end the session; an empty one ends the watch. It replaces the
+  ///        previous one.
   void watch_services(std::function<void(const ServiceChange&)> observer);
 
-  /// Calls `observer`, in a thread of the session, for each event of the benches that this session
-  /// sees, from now on: a fault, a refusal, a loss of control, a stop by another session. Each
-  /// event of a bench comes once and in order. A program that is slow loses the oldest of 4,096.
-  /// @param observer must not end the session; an empty one ends the reports. It replaces the last.
-  /// @param history kept = from the oldest event on that each bench still has
+  /// Calls `observer`, on a thread of the session, for each event from now on of the benches that
+  /// this session sees: a fault, a refusal, a loss of control, a stop by another session. Each
+  /// event of a bench is reported once and in order. If the observer is slow, the oldest of 4,096
+  /// events are lost.
+  /// @param observer must not end the session; an empty one ends the reports. It replaces the
+  ///        previous one.
+  /// @param history kept = start with the oldest event that each bench still has
   void on_event(std::function<void(const Event&)> observer,
                 EventHistory history = EventHistory::left_out);
 
-  /// Calls `observer`, in a thread of the session, for each value of send_set_points() that a drive
-  /// refuses, such as one out of the range of its object: up to 256 of a frame. What is refused as
-  /// a whole, such as a set-point for an axis that another session owns, is an event only. A
-  /// program that is slow loses the oldest of 65,536.
-  /// @param observer must not end the session; an empty one ends the reports, and none is under way
-  ///        when this call returns, but the one that makes it. It replaces the last.
+  /// Calls `observer`, on a thread of the session, for each value sent by send_set_points() that a
+  /// drive refuses, such as one out of the range of its object: up to 256 per frame. A set-point
+  /// that is refused entirely, such as one for an axis that another session owns, is only an event.
+  /// If the observer is slow, the oldest of 65,536 refusals are lost.
+  /// @param observer must not end the session; an empty one ends the reports. When this call
+  ///        returns, no call of the previous observer is in progress, unless this call comes from
+  ///        it. It replaces the previous one.
   void on_set_point_refusal(std::function<void(const SetPointRefusal&)> observer);
 
-  /// Calls `observer`, in a thread of the session, with the newest state of these axes: for each of
-  /// their benches at most once in `period`, when a tick later than the one before has come. For a
-  /// program with a loop of its own. In lock-step the present state comes first; while drive time
-  /// stands still nothing comes after it.
-  /// A service that restarts is followed. The reports of a bench that has sent nothing for
-  /// SessionOptions::patience have ended; those of a bench in this process end with it.
+  /// Calls `observer`, on a thread of the session, with the newest state of these axes: for each of
+  /// their benches at most once per `period`, when a tick later than the last reported one has
+  /// arrived. For a program with its own loop. In lock-step the present state is reported first,
+  /// and nothing after it while drive time stands still. The reports continue after a restart of
+  /// the service. They end for a bench that has sent nothing for SessionOptions::patience, and for
+  /// a bench in this process when it ends.
   /// @param period wall time, 1 ms or more
-  /// @param observer must not end the session; an empty one ends the reports. It replaces the last.
-  /// @param ended called with lost, and its reason, when the reports of a bench have ended
-  /// @return not_found when one of the axes is not there; failed for a shorter period.
+  /// @param observer must not end the session; an empty one ends the reports. It replaces the
+  ///        previous one.
+  /// @param ended called with lost and the reason when the reports of a bench have ended
+  /// @return not_found if one of the axes is not there; failed for a shorter period.
   Outcome on_status(std::span<const AxisId> axes, std::chrono::milliseconds period,
                     std::function<void(const Observation&)> observer,
                     std::function<void(const Outcome&)> ended = {});
 
-  /// The same beside others: a session has any number of these reports.
+  /// As on_status(), but independent of other reports: a session can have any number of these.
   Result<StatusReports> report_status(std::span<const AxisId> axes,
                                       std::chrono::milliseconds period,
                                       std::function<void(const Observation&)> observer,
                                       std::function<void(const Outcome&)> ended = {});
 
-  /// Quick stop of every axis of a bench that has no fault, whoever owns it, at once. The owners
-  /// keep their axes; nothing is acquired. Also after interrupt().
+  /// Immediate quick stop of every axis of a bench that has no fault, whoever owns it. The owners
+  /// keep their axes; nothing is acquired. Also works after interrupt().
   /// @param options done = all axes are at rest
   /// @return failed, with nothing sent, while the bench is paused.
   Outcome quick_stop(std::uint32_t bench, const CallOptions& options = {});
 
-  /// Gives all axes back. They stay as they are.
-  /// @return failed, naming it, when an axis runs that was not seen to stop: it is not given back
+  /// Releases all axes. Their motion is not affected.
+  /// @return failed, naming it, if an axis is running and was not seen to stop: that axis is not
+  ///         released
   Outcome release();
 
-  /// The same for the axes of one bench.
+  /// As release(), for the axes of one bench.
   Outcome release(std::uint32_t bench);
 
-  /// Ends the session as a kill of its program would: from now on it sends nothing, releases no
-  /// axis, and every call fails. A bench in realtime detects the silence, and its axes react as
-  /// 6007h says. For a program that commands on behalf of a client that it has lost. May be called
+  /// Ends the session as if its program had been killed: from now on it sends nothing, releases no
+  /// axis, and every call fails. A realtime bench detects the silence, and its axes react as 6007h
+  /// selects. For a program that commands on behalf of a client that it has lost. May be called
   /// from any thread.
   void abandon() noexcept;
 
-  /// Ends all calls that wait, now and later, with `failed`; what moves continues. A call that
-  /// stops axes (Axis::halt, Axis::quick_stop, quick_stop, AxisGroup::halt_all,
-  /// AxisGroup::quick_stop_all) works after it. May be called from any thread.
+  /// Ends all calls that wait, now and later, with `failed`; motions continue. Calls that stop axes
+  /// (Axis::halt, Axis::quick_stop, quick_stop, AxisGroup::halt_all, AxisGroup::quick_stop_all)
+  /// still work. May be called from any thread.
   void interrupt() noexcept;
 
-  /// Ends what interrupt() has begun: calls from now on wait again. For a program that continues,
-  /// such as one that cleans up. A call that is still waiting in another thread may continue, too:
-  /// make sure that there is none.
+  /// Undoes interrupt(): calls from now on wait again. For a program that continues, for example to
+  /// clean up. A call still waiting in another thread may continue too, so make sure that there is
+  /// none.
   void end_interrupt() noexcept;
 
-  /// @return whether interrupt() was called, and end_interrupt() not since.
+  /// @return whether interrupt() was called without an end_interrupt() since.
   [[nodiscard]] bool is_interrupted() const noexcept;
 
  private:

@@ -9,13 +9,13 @@
 
 namespace vdrive::client {
 
-/// Who a session is: what its program says of itself (topic `bench_session` of the wire). Nobody
-/// checks it. The texts can be shown: control characters and bytes that are not UTF-8 are written
-/// as \xNN, and what is longer than 64 characters is shortened.
+/// The name of a session, as its program states it (topic `bench_session` of the wire). It is not
+/// verified. The texts are safe to display: control characters and bytes that are not UTF-8 are
+/// written as \xNN, and texts longer than 64 characters are shortened.
 struct SessionName {
-  std::string program{};      ///< such as "vdrive"; empty = it does not say
-  std::uint32_t process = 0;  ///< its number on its host, 0 = it does not say
-  std::string host{};         ///< the host's own name; empty = it does not say
+  std::string program{};      ///< such as "vdrive"; empty = not stated
+  std::uint32_t process = 0;  ///< its number on its host; 0 = not stated
+  std::string host{};         ///< the host's own name; empty = not stated
 
   friend bool operator==(const SessionName&, const SessionName&) = default;
 };
@@ -23,16 +23,17 @@ struct SessionName {
 /// @return such as "vdrive (process 4711 on bench-host)".
 [[nodiscard]] std::string to_string(const SessionName& name);
 
-/// Who holds an axis that a call was refused for, or that this session has lost.
+/// The session that holds an axis that a call was refused for, or that this session has lost.
 struct AxisOwner {
-  AxisId axis{};                      ///< 0.0 = the bench did not name one
-  std::uint64_t session = 0;          ///< not 0
-  std::optional<SessionName> name{};  ///< nothing: its program says nothing, or it did not arrive
+  AxisId axis{};              ///< 0.0 = the bench did not name one
+  std::uint64_t session = 0;  ///< not 0
+  std::optional<SessionName>
+      name{};  ///< nothing: its program does not state one, or it did not arrive
 
   friend bool operator==(const AxisOwner&, const AxisOwner&) = default;
 };
 
-/// @return how messages call a session: "vdrive (process 4711 on bench-host), session
+/// @return the name of a session in messages: "vdrive (process 4711 on bench-host), session
 ///         0x000000000000000b", or "an unknown program, session 0x000000000000000b".
 [[nodiscard]] std::string owner_text(std::uint64_t session, const std::optional<SessionName>& name);
 
