@@ -9,10 +9,11 @@
 #include <utility>
 #include <vector>
 
-/// A call for each kind of request: what it asks, as a message. Exchange fills in who asks whom.
+/// One function per kind of request; each returns the request as a message. Exchange fills in the
+/// sender and the receiver.
 namespace vdrive::ask {
 
-/// A request with these members. One that the row of its kind does not name does not compile.
+/// A request with these members. A member that the row of its kind does not name does not compile.
 template <msg::RequestKind kKind, auto... kMembers, typename... Values>
 msg::Request request(Values&&... values) {
   static_assert(wire::request_kind_row(kKind)->uses.contains(wire::RequestMembers(kMembers...)),
@@ -26,7 +27,7 @@ msg::Request request(Values&&... values) {
 using Axes = std::vector<std::uint16_t>;
 using Objects = std::vector<msg::ObjectAccess>;
 
-/// One of the objects of a read or a write.
+/// One object of a read or a write.
 inline msg::ObjectAccess object(std::uint16_t axis, ObjectAddress address, std::int64_t value = 0) {
   msg::ObjectAccess access;
   access.axis = axis;
@@ -69,8 +70,8 @@ inline msg::Request power_cycle(Axes axes) {
   return request<msg::RequestKind::power_cycle, &msg::Request::axes>(std::move(axes));
 }
 
-/// @param shown axes whose status the reply has
-/// @param last_sequence of the command frames that the step waits for
+/// @param shown axes whose status the reply contains
+/// @param last_sequence of the command frames that must have arrived before the step
 inline msg::Request step(std::uint64_t ticks, Axes shown, std::uint64_t last_sequence = 0) {
   return request<msg::RequestKind::step, &msg::Request::ticks, &msg::Request::axes,
                  &msg::Request::last_sequence>(ticks, std::move(shown), last_sequence);
@@ -81,7 +82,7 @@ inline msg::Request set_rate(double rate) {
   return request<msg::RequestKind::set_rate, &msg::Request::rate>(rate);
 }
 
-/// @param steppers that time waits for, with this one
+/// @param steppers that time waits for, including this one
 inline msg::Request join_clock(std::uint64_t steppers) {
   return request<msg::RequestKind::join_clock, &msg::Request::ticks>(steppers);
 }
@@ -102,12 +103,12 @@ inline msg::Request drop_snapshot(std::uint64_t snapshot) {
   return request<msg::RequestKind::drop_snapshot, &msg::Request::snapshot>(snapshot);
 }
 
-/// @param snapshot the one before; 0 = none
+/// @param snapshot the previous one; 0 = none
 inline msg::Request next_snapshot(std::uint64_t snapshot) {
   return request<msg::RequestKind::next_snapshot, &msg::Request::snapshot>(snapshot);
 }
 
-/// @param place of the last write that is known; 0 = none
+/// @param place of the last write already read; 0 = none
 inline msg::Request read_writes(std::uint64_t place) {
   return request<msg::RequestKind::read_writes, &msg::Request::snapshot>(place);
 }
@@ -116,12 +117,12 @@ inline msg::Request freeze_window() {
   return request<msg::RequestKind::freeze_window>();
 }
 
-/// @param number of the one before; 0 = none
+/// @param number of the previous one; 0 = none
 inline msg::Request next_window(std::uint64_t number) {
   return request<msg::RequestKind::next_window, &msg::Request::snapshot>(number);
 }
 
-/// @param place of the last item of the page before; 0 = none
+/// @param place of the last item of the previous page; 0 = none
 inline msg::Request read_window(std::uint64_t number, Axes axes, std::uint64_t place) {
   return request<msg::RequestKind::read_window, &msg::Request::snapshot, &msg::Request::axes,
                  &msg::Request::ticks>(number, std::move(axes), place);

@@ -22,7 +22,7 @@ std::optional<std::int64_t> seconds_to(const AxisSnapshot& axis, std::int32_t ta
 }
 
 std::vector<std::string_view> statusword_flags(std::uint16_t statusword, OperatingMode mode) {
-  // Outside Operation enabled bit 13 is the fault's, whatever the mode makes of it.
+  // Outside Operation enabled, bit 13 belongs to the fault, whatever it means in the mode.
   const bool enabled = decode_power_state(statusword) == PowerState::operation_enabled;
   std::vector<std::string_view> names;
   for (unsigned flags = statusword & ~unsigned{Statusword::kState}; flags != 0;

@@ -31,7 +31,7 @@ std::vector<std::uint16_t> words_to(EachCommand command, PowerState state, const
     case EachCommand::enable:
       return words_to_enable(state, way);
     case EachCommand::disable:
-      // Where 605Ah keeps the state after a quick stop.
+      // The state after a quick stop if 605Ah keeps it.
       if (state == PowerState::quick_stop_active) return {kDisableVoltage, kShutdown};
       return {kShutdown};
     case EachCommand::halt:
@@ -41,9 +41,9 @@ std::vector<std::uint16_t> words_to(EachCommand command, PowerState state, const
     case EachCommand::quick_stop:
       return {kQuickStop};
     case EachCommand::reset_fault:
-      if (!is_fault(state)) return {};  // 0000h would take the power of an axis that has it
-      // Bit 7 goes up and down again: the next reset has its edge, and 0000h commands nothing in
-      // Fault.
+      if (!is_fault(state)) return {};  // 0000h would remove the power from an axis that is enabled
+      // Bit 7 goes up and down again, so that the next reset finds its edge; 0000h commands nothing
+      // in Fault.
       return {kDisableVoltage, Controlword::kFaultReset, kDisableVoltage};
     case EachCommand::power_cycle:
       break;

@@ -17,7 +17,7 @@ using controlwords::kQuickStop;
 using controlwords::kShutdown;
 inline constexpr std::uint16_t kHalt = kEnableOperation | Controlword::kHalt;
 
-/// With bits 4 to 6, which cyclic synchronous position does not have: a drive with the habit
+/// Also sets bits 4 to 6, which cyclic synchronous position does not define: a drive with the habit
 /// 5E20h:02 follows positions only while they are 1.
 inline constexpr std::uint16_t kReleaseStream = kEnableOperation | Controlword::kNewSetPoint |
                                                 Controlword::kChangeSetImmediately |
@@ -26,8 +26,8 @@ inline constexpr std::uint16_t kReleaseStream = kEnableOperation | Controlword::
 /// The first value of 605Ah after which an axis stays in Quick stop active.
 inline constexpr std::int64_t kFirstQuickStopThatStays = 5;
 
-/// Adds one of the further objects of a command (up to msg::MAX_OBJECTS_PER_AXIS), which the bench
-/// writes after the members of the command and before its controlword.
+/// Adds a further object to a command (up to msg::MAX_OBJECTS_PER_AXIS). The bench writes it after
+/// the members of the command and before its controlword.
 inline void add_object(msg::AxisCommand& command, ObjectAddress address, std::int64_t value) {
   auto& object = command.objects.emplace_back();
   object.index = address.index;
@@ -57,14 +57,14 @@ inline void add_word(msg::AxisCommand& command, std::uint16_t word) {
   return axis.shows(Statusword::kTargetReached);
 }
 
-/// Without a mode (6060h = 0) the axis stands; in the cyclic modes the master has the way.
-/// @return whether bit 10 shows a target: not in these modes.
+/// @return whether bit 10 reports a target. It does not without a mode (6060h = 0), in which the
+///         axis stands still, and in the cyclic modes, in which the master plans the path.
 [[nodiscard]] inline bool has_target_bit(const AxisSnapshot& axis) {
   const OperatingModeRow* const row = find_operating_mode(axis.mode());
   return row == nullptr || row->has_target;
 }
 
-/// @return whether an axis that goes on after a halt has reached its target, if it has one.
+/// @return whether an axis that continues after a halt has reached its target, if it has one.
 [[nodiscard]] inline bool has_no_way_left(const AxisSnapshot& axis) {
   return !has_target_bit(axis) || target_reached(axis);
 }
@@ -82,14 +82,14 @@ inline void add_word(msg::AxisCommand& command, std::uint16_t word) {
 }
 
 /// @return whether nothing moves the axis: it is not driven, or its demand is at rest and no
-///         command is on the way to another one. A torque counts as long as it is applied.
+///         command is leading it elsewhere. An applied torque counts as motion.
 [[nodiscard]] inline bool rests(const AxisSnapshot& axis) {
   if (!is_driven(axis)) return true;
   if (axis.status.velocity_demand_value != 0 || axis.has_torque()) return false;
   return !has_target_bit(axis) || target_reached(axis);
 }
 
-/// @return whether a quick stop has ended, or has come to rest where 605Ah keeps the state.
+/// @return whether a quick stop has ended, or the axis is at rest if 605Ah keeps the state.
 [[nodiscard]] inline bool quick_stop_ended(const AxisSnapshot& axis, std::int64_t option) {
   return axis.state() != PowerState::quick_stop_active ||
          (option >= kFirstQuickStopThatStays && target_reached(axis));

@@ -35,10 +35,10 @@ bool is_test_input(ObjectAddress object) {
   return object.index >= kFirstTestInput && object.index <= kLastTestInput.index;
 }
 
-/// What is known of an object at the time of the cause.
+/// The value of an object at the time of the cause.
 struct Known {
   std::int64_t value = 0;
-  std::optional<AxisWrite> write{};  ///< that brought it; nothing: it is older than the window
+  std::optional<AxisWrite> write{};  ///< that set the value; nothing: it is older than the window
 };
 
 std::string hex_text(std::uint64_t number) {
@@ -53,7 +53,7 @@ class Story {
   Story(const Window& window, const WindowCause& cause, const BenchInfo& bench,
         const SessionText& name_of)
       : window_(window), cause_(cause), bench_(bench), name_of_(name_of) {
-    std::uint64_t shown = 0;  // the tick of the values: writes before it are in them
+    std::uint64_t shown = 0;  // the tick of the values, which include the writes before it
     for (const WindowValue& value : window.values) {
       if (value.axis != cause.axis || value.tick > cause.tick) continue;
       known_[value.object] = {.value = value.value};
@@ -101,7 +101,8 @@ class Story {
     } else if (write.kind == AxisWrite::Kind::connection_loss) {
       lost_at_ = write.tick;
     } else if (write.kind == AxisWrite::Kind::power_cycle) {
-      // Inputs of the test bench stay; what else there is now the window does not show.
+      // Test-bench inputs keep their values; the window does not show what the other objects hold
+      // now.
       std::erase_if(known_, [](const auto& known) {
         return !is_test_input(known.first);
       });
@@ -145,7 +146,7 @@ class Story {
     return write.session == 0 ? "by a program without a session" : "by " + name_of_(write.session);
   }
 
-  /// Inputs of the test bench that acted, or did until shortly before.
+  /// Adds the test-bench inputs that acted at the cause or until shortly before.
   void add_inputs() {
     for (const auto& [object, known] : known_) {
       if (!is_test_input(object) || known.value == 0) continue;
@@ -158,7 +159,7 @@ class Story {
     }
   }
 
-  /// How long a value was beyond its limit up to the cause.
+  /// Adds how long a value was beyond its limit up to the cause.
   template <typename ValueOf>
   void add_limit(ObjectAddress limit, std::string_view what, std::string_view unit,
                  ValueOf value_of) {
@@ -167,7 +168,7 @@ class Story {
     const auto is_beyond = [&](const AxisSnapshot* axis) {
       return std::abs(value_of(axis->status)) >= known->second.value;
     };
-    // The status with the fault may show what the reaction has done already.
+    // The status with the fault may already show the effect of the fault reaction.
     auto last = before_.rbegin() + (is_beyond(before_.back()) ? 0 : 1);
     auto first = last;
     while (first != before_.rend() && is_beyond(*first)) ++first;
@@ -205,7 +206,7 @@ class Story {
     lines_.push_back(std::move(line));
   }
 
-  /// As the last tick before the cause shows it.
+  /// Adds the state in the last tick before the cause.
   void add_state() {
     if (before_.size() < 2) return;
     const AxisSnapshot& axis = **(before_.rbegin() + 1);
@@ -231,7 +232,7 @@ class Story {
   const SessionText& name_of_;
   std::map<ObjectAddress, Known> known_;     ///< at the time of the cause
   std::vector<const AxisSnapshot*> before_;  ///< up to the tick of the cause
-  std::optional<std::uint64_t> lost_at_;     ///< the tick in which its master was given up
+  std::optional<std::uint64_t> lost_at_;     ///< the tick in which its master was considered lost
   std::vector<std::string> lines_;
 };
 

@@ -11,13 +11,14 @@
 
 namespace vdrive::client {
 
-/// What functions of the program have thrown in threads of the session: the next calls of the
-/// session throw it to the program, each call one exception. Thread-safe.
+/// Exceptions that observers of the program have thrown in threads of the session. Later calls of
+/// the session rethrow them to the program, one per call. Thread-safe.
 class ObserverFailure {
  public:
   explicit ObserverFailure(const Wakeup& wakeup) : wakeup_(wakeup) {}
 
-  /// Calls `report`. @return false when it threw.
+  /// Calls `report`.
+  /// @return false if it threw.
   template <typename Report>
   bool run(const Report& report) {
     const ObserverFailure* const outer = std::exchange(reporting(), this);
@@ -33,9 +34,9 @@ class ObserverFailure {
     return has_returned;
   }
 
-  /// Throws the oldest exception that was not thrown yet, once. Throws nothing in a call that stops
-  /// axes: it has to stop them. Nothing either in a call of another observer, whose failure it is
-  /// not, or in a forked process.
+  /// Rethrows the oldest exception not yet rethrown. Does nothing in a call that stops axes, which
+  /// must get through; in a call from another observer, which is not responsible for the failure;
+  /// or in a forked process.
   void rethrow() {
     if (origin_.is_inherited() || reporting() == this || wakeup_.is_stopping()) return;
     std::exception_ptr thrown;
@@ -49,7 +50,7 @@ class ObserverFailure {
   }
 
  private:
-  /// Whose report this thread runs.
+  /// The object whose report is running on this thread.
   static const ObserverFailure*& reporting() noexcept {
     thread_local const ObserverFailure* failure = nullptr;
     return failure;
@@ -58,7 +59,7 @@ class ObserverFailure {
   const wire::Origin origin_;
   const Wakeup& wakeup_;
   std::mutex mutex_;
-  std::deque<std::exception_ptr> thrown_;  ///< at most one of each observer that was begun
+  std::deque<std::exception_ptr> thrown_;  ///< at most one per observer that was started
 };
 
 }  // namespace vdrive::client

@@ -12,12 +12,13 @@
 
 namespace vdrive::client {
 
-/// What is done again and again. @return wall time until the next time; nothing = there is none.
+/// Work done repeatedly.
+/// @return wall time until the next run; nothing = no further run.
 using PeriodicWork = std::function<std::optional<std::chrono::milliseconds>()>;
 
-/// Works until there is no next time, or a stop is requested.
+/// Runs `work` until it asks for no further run, or a stop is requested.
 inline void work_periodically(const std::stop_token& stop, const PeriodicWork& work) {
-  // Never notified: a sleep that the stop token ends.
+  // Never notified: only the stop token ends the sleep early.
   std::condition_variable_any sleep;
   std::mutex mutex;
   std::unique_lock lock(mutex);
@@ -30,10 +31,10 @@ inline void work_periodically(const std::stop_token& stop, const PeriodicWork& w
   }
 }
 
-/// A thread that calls a function again and again. Not thread-safe.
+/// A thread that calls a function repeatedly. Not thread-safe.
 class PeriodicThread {
  public:
-  /// Starts the thread; one that runs already ends first.
+  /// Starts the thread; a running one is ended first.
   void start(PeriodicWork work) {
     stop();
     thread_ = std::jthread([work = std::move(work)](const std::stop_token& stop) {
@@ -41,7 +42,7 @@ class PeriodicThread {
     });
   }
 
-  /// Ends the thread, if it runs.
+  /// Ends the thread if it is running.
   void stop() { thread_ = {}; }
 
  private:

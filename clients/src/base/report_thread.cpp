@@ -10,13 +10,13 @@
 namespace vdrive::client {
 namespace {
 
-/// Numbers, not addresses: a report may destroy its object while its thread runs.
+/// Numbers instead of addresses: a report may destroy its object while its thread is running.
 std::uint64_t next_reporter() noexcept {
   static std::atomic<std::uint64_t> last{0};
   return ++last;
 }
 
-/// Which object this thread reports for, 0 = none.
+/// The number of the object that this thread reports for, 0 = none.
 std::uint64_t& reporter_of_this_thread() noexcept {
   thread_local std::uint64_t reporter = 0;
   return reporter;
@@ -56,8 +56,9 @@ void ReportThreads::end_runs(std::optional<std::uint64_t> reporter) {
     });
   }
   for (const auto& run : ended) run->thread.request_stop();
-  // A report waits neither for itself nor for one that it has replaced or that has replaced it,
-  // which may wait for it. Who ends them next, at the latest the session, waits for them.
+  // A report waits neither for itself nor for a report that replaced it or was replaced by it,
+  // because that one may be waiting for this one. A later call, at the latest the end of the
+  // session, waits for them.
   std::erase_if(ended, [](const auto& run) {
     return run->reporter == reporter_of_this_thread() && !run->is_over;
   });
@@ -86,14 +87,14 @@ void ReportThread::start(Work work) {
     const bool has_another = std::ranges::any_of(threads_.runs_, [this](const auto& run) {
       return run->reporter == number_ && !run->thread.get_stop_source().stop_requested();
     });
-    if (has_another) continue;  // of a call that was faster
+    if (has_another) continue;  // another call has started one in the meantime
     const auto run = std::make_shared<ReportThreads::Run>(number_);
-    // The run stays until its thread was waited for.
+    // The run must outlive its thread: the list keeps it until the thread has been joined.
     run->thread = std::jthread(
         [its = run.get(), work = std::move(work)](const std::stop_token& stop_token) mutable {
           reporter_of_this_thread() = its->reporter;
           work(stop_token);
-          work = nullptr;  // the end of what it holds may end reports, too
+          work = nullptr;  // destroying its captures may end reports too
           its->is_over = true;
         });
     threads_.runs_.push_back(run);

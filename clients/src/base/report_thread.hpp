@@ -19,27 +19,27 @@ class ReportThreads {
   ReportThreads(const ReportThreads&) = delete;
   ReportThreads& operator=(const ReportThreads&) = delete;
 
-  /// Ends every thread, and waits for reports that are under way. From now on none starts.
+  /// Ends every thread and waits for reports in progress. No thread starts after that.
   void end();
 
  private:
   friend class ReportThread;
   struct Run;
 
-  /// @param reporter nothing = of all
+  /// @param reporter nothing = all of them
   void end_runs(std::optional<std::uint64_t> reporter);
 
-  std::mutex mutex_;  ///< guards what follows; nobody waits for a thread with it
+  std::mutex mutex_;  ///< guards the members below; never held while waiting for a thread
   std::vector<std::shared_ptr<Run>> runs_;
   bool is_ended_ = false;
 };
 
 /// One thread of a session that reports to the program. A report may end or replace its own thread
-/// and may destroy this object: the thread then ends after that report. In every other thread the
-/// end waits for a report that is under way. Thread-safe.
+/// and may destroy this object: the thread then ends after that report. In any other thread, ending
+/// it waits for a report in progress. Thread-safe.
 class ReportThread {
  public:
-  /// Has to make no report after a stop was requested: its own report may request it.
+  /// Must not report after a stop was requested: its own report may request it.
   using Work = std::function<void(const std::stop_token&)>;
 
   explicit ReportThread(ReportThreads& threads);
@@ -49,11 +49,11 @@ class ReportThread {
   ReportThread(const ReportThread&) = delete;
   ReportThread& operator=(const ReportThread&) = delete;
 
-  /// Starts the thread; one that runs already ends first. Of two calls at once one thread remains;
-  /// after the end of the session none starts.
+  /// Starts the thread; a running one is ended first. If two calls start one at the same time, one
+  /// thread remains; after the end of the session none starts.
   void start(Work work);
 
-  /// Ends the thread, if it runs.
+  /// Ends the thread if it is running.
   void stop();
 
  private:

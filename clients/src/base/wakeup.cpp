@@ -6,8 +6,8 @@
 namespace vdrive::client {
 namespace {
 
-/// Interrupts that the call of this thread survives. The parts of a session that wait are shared by
-/// all calls, but each call waits in the thread of its caller.
+/// The interrupts that the current call of this thread survives. Thread-local, because all calls
+/// share the waiting parts of a session, but each call waits on its caller's thread.
 struct Survived {
   const Wakeup* wakeup = nullptr;
   std::uint64_t interrupts = 0;
@@ -31,7 +31,7 @@ Wakeup::StopInProgress::~StopInProgress() {
   survived() = {.wakeup = outer_wakeup_, .interrupts = outer_interrupts_};
 }
 
-/// Without the lock, which those who wake take first.
+/// Notifies without holding the lock: the woken threads take it first.
 void Wakeup::notify() {
   {
     const std::scoped_lock lock(mutex_);
@@ -72,7 +72,7 @@ std::uint64_t Wakeup::changes() const {
 
 Wakeup::Worked Wakeup::work_while(std::uint64_t changes, std::uint32_t bench) {
   Worked worked;
-  // Without the lock, which what it changes takes.
+  // Without the lock: the changes that the work makes take it.
   while (work_ && this->changes() == changes) {
     const wire::LocalWork work = work_(bench);
     worked.has_worked |= work == wire::LocalWork::done;

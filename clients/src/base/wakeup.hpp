@@ -13,38 +13,38 @@
 
 namespace vdrive::client {
 
-/// Wakes the calls that wait when something may have changed, and ends them on an interrupt. Holds
-/// nothing of what they wait for: each condition locks the state that it reads, and no call holds a
-/// lock of a state while it waits. In a forked process interrupts do nothing, since another thread
-/// of the parent may have had the lock; no call gets as far as a wait there, see
+/// Wakes calls that wait when something may have changed, and ends them on an interrupt. Holds none
+/// of the state that they wait for: each condition locks the state that it reads, and no call holds
+/// such a lock while it waits. In a forked process, interrupts do nothing, because another thread
+/// of the parent may have held the lock; no call gets as far as a wait there, see
 /// Discovery::check_process. Thread-safe.
 class Wakeup {
  public:
   using Clock = std::chrono::steady_clock;
 
-  /// Before the first wait: `work` is what a thread that is about to wait for a bench does first
-  /// (wire::Participant::run_local_work).
+  /// Sets the work that a thread does for a bench before it waits for it
+  /// (wire::Participant::run_local_work). To be called before the first wait.
   void work_with(std::function<wire::LocalWork(std::uint32_t bench)> work) {
     work_ = std::move(work);
   }
 
-  /// Something has changed. To be called after the change.
+  /// Reports a change. To be called after the change.
   void notify();
 
-  /// Ends the calls that may be interrupted, now and later.
+  /// Ends the calls that can be interrupted, now and later.
   void interrupt() noexcept;
 
   /// Later calls wait again.
   void end_interrupt() noexcept;
 
-  /// @return whether the call of this thread is to end.
+  /// @return whether the current call of this thread must end.
   [[nodiscard]] bool is_interrupted() const;
 
-  /// @return whether a call of this thread stops axes.
+  /// @return whether the current call of this thread stops axes.
   [[nodiscard]] bool is_stopping() const noexcept;
 
-  /// A call of this thread that stops axes, while it lives. A program that was interrupted can
-  /// still stop what moves: only a later interrupt ends the call.
+  /// Marks a call of this thread that stops axes, for its lifetime. An interrupted program can
+  /// still stop axes: only a later interrupt ends the call.
   class StopInProgress {
    public:
     explicit StopInProgress(const Wakeup& wakeup);
@@ -57,25 +57,26 @@ class Wakeup {
     const std::uint64_t outer_interrupts_;
   };
 
-  /// @return the number of changes. A call that reads it before its condition misses
-  ///         no change after it.
+  /// @return the number of changes. A call that reads it before it checks its condition misses no
+  ///         later change.
   [[nodiscard]] std::uint64_t changes() const;
 
-  /// Works for the bench as long as there is some work and there were no more than `changes`.
-  /// @return whether there was some.
+  /// Works for the bench while there is work and the number of changes is still `changes`.
+  /// @return whether there was any work.
   bool work(std::uint64_t changes, std::uint32_t bench);
 
-  /// Works for the bench, then waits until there were more than `changes`, or for the deadline. A
-  /// wait that another thread works for ends after a millisecond: this one may have to go on.
+  /// Works for the bench, then waits until the number of changes exceeds `changes`, or for the
+  /// deadline. If another thread is working for the bench, the wait ends after a millisecond,
+  /// because this thread may have to take over.
   void work_until(std::uint64_t changes, std::uint32_t bench, Clock::time_point deadline);
 
-  /// Waits until there were more than `changes`, or for the deadline.
+  /// Waits until the number of changes exceeds `changes`, or for the deadline.
   void wait_until(std::uint64_t changes, Clock::time_point deadline);
 
  private:
   struct Worked {
     bool has_worked = false;
-    bool is_elsewhere = false;  ///< the rest
+    bool is_elsewhere = false;  ///< another thread does the rest
   };
 
   Worked work_while(std::uint64_t changes, std::uint32_t bench);

@@ -17,7 +17,8 @@ namespace {
 
 using namespace literals;
 
-/// What tells why an axis rests elsewhere than at its target: the software limits, then the range.
+/// Objects that explain why an axis is at rest away from its target: software limits, then the
+/// range.
 constexpr std::array kArrivalObjects{kObjectRows["user_position_lower_limit"_object].address,
                                      kObjectRows["user_position_upper_limit"_object].address,
                                      kObjectRows["min_position_range_limit"_object].address,
@@ -27,7 +28,7 @@ constexpr std::size_t kSoftwareLimits = 2;
 constexpr std::uint8_t kNegativeLimitSwitch = 1U << 0U;  // of 60FDh
 constexpr std::uint8_t kPositiveLimitSwitch = 1U << 1U;
 
-/// @param target none where it is not known, or lies behind the end of the register
+/// @param target none if it is unknown, or beyond the range of the register
 std::int64_t way_to(const AxisSnapshot& axis, std::optional<std::int32_t> target) {
   if (!target) return axis.status.velocity_demand_value;
   return std::int64_t{*target} - axis.status.position_demand_value;
@@ -37,7 +38,7 @@ bool is_on_its_way(const AxisSnapshot& axis) {
   return is_enabled(axis) && axis.status.velocity_demand_value != 0;
 }
 
-/// @return timed_out, with where the axis is and how long its way still takes at this speed.
+/// @return timed_out, with the position of the axis and the time it still needs at this speed.
 Outcome still_moving(const AxesCall& call, std::int32_t target) {
   const AxisSnapshot& axis = call.snapshot();
   std::string message = "axis " + to_string(axis.id) + ": timed out while waiting for " +

@@ -15,16 +15,17 @@ namespace {
 
 using std::chrono::milliseconds;
 
-// A call of an axis waits this long in wall time for other steppers, then compares its time-out.
+// How long, in wall time, the call of an axis waits for other steppers before it checks its
+// time-out.
 constexpr milliseconds kStepperPatience{500};
 
-// A frame for a tick that several benches share is sent this far ahead; a bench that is busier
-// refuses it as too late, and the next attempt goes further.
+// How far ahead a frame is sent for a tick shared by several benches. A bench that is too busy for
+// this refuses it as too late, and the next attempt uses a longer lead.
 constexpr milliseconds kFirstMargin{20};
 constexpr int kMarginGrowth = 4;
 constexpr int kAttempts = 4;
 
-// Longer than any stop by the steepest ramps that the defaults allow.
+// Longer than any stop with the steepest ramps that the defaults allow.
 constexpr std::chrono::seconds kStopTime{5};
 
 std::vector<msg::Request> read_requests(const GroupLayout::Bench& bench,
@@ -74,7 +75,7 @@ Outcome not_in_this_state(std::string message) {
 
 Outcome refused_in_state(const AxisSnapshot& axis, std::string_view command,
                          std::string_view hint) {
-  // Of a fault the cause, as in failed_instead_of().
+  // For a fault, give its cause, as failed_instead_of() does.
   const std::string present = is_fault(axis.state())
                                   ? what_it_shows(axis) + "; "
                                   : "is in " + std::string(to_string(axis.state())) + ", ";
@@ -137,8 +138,8 @@ Outcome AxesCall::require(bool (*fulfils)(const AxisSnapshot& axis), std::string
                                          : refused_in_state(*offender(), command, needs);
 }
 
-/// Only those that the session does not have: an axis that is taken again ends what it was given
-/// before.
+/// Only those that the session does not have: acquiring an axis again would end the commands it was
+/// given before.
 std::vector<std::uint16_t> AxesCall::axes_to_acquire(const BenchPart& part) const {
   std::vector<std::uint16_t> axes;
   for (const AxisSnapshot& axis : part.seen.axes) {
@@ -169,7 +170,7 @@ Outcome AxesCall::begin_control(std::chrono::nanoseconds timeout,
   return acquire();
 }
 
-// ---- what is observed ------------------------------------------------------------------------
+// ---- observing ---------------------------------------------------------------------------------
 
 std::string AxesCall::read_name(const BenchPart& part) const {
   const bool is_one = axes_.caller() == Caller::axis && snapshots().size() == 1;
@@ -244,7 +245,7 @@ Answers AxesCall::exchange_at(std::span<const Round> rounds, std::uint64_t apply
   std::vector<SentFrames> sent;
   Outcome outcome = send(rounds, apply_at, sent);
   if (outcome && apply_at != 0) {
-    // A refusal comes at once, the tick later: in between the other benches can be told.
+    // A refusal arrives before the tick: there is still time to cancel on the other benches.
     const auto accepted = core_->exchange.await_answers(sent);
     if (!accepted || !*accepted) cancel_pending();
   }
@@ -262,7 +263,7 @@ void AxesCall::begin_to_put_in_force(std::span<const Round> rounds) {
 }
 
 Outcome AxesCall::await_in_force(bool has_stepped) {
-  // In lock-step the answer comes with a tick, and only this session lets it pass.
+  // In lock-step the answer arrives with a tick, and only this session steps it.
   if (sending_ && steps()) sending_ = axes_.advance(has_stepped ? 0 : 1);
   Answers answers = collect(sent_, std::move(sending_));
   if (!answers.outcome) return answers.outcome;
@@ -292,10 +293,10 @@ Outcome AxesCall::send(std::span<const Round> rounds, std::uint64_t apply_at,
     note_given(parts[i], some, std::span(sent[i].sequences).subspan(before));
     return outcome;
   };
-  // One bench gets its frames with no frame of another thread between them.
+  // To a single bench the frames go out without a frame of another thread in between.
   if (parts.size() == 1) return send_to(0, rounds);
-  // Of several benches none gets a round before all have the one before: a bench that cannot be
-  // reached must not let the others start.
+  // With several benches, none gets a round before all have the previous one: if a bench cannot be
+  // reached, the others must not start.
   for (const Round& round : rounds) {
     for (std::size_t i = 0; i < parts.size(); ++i) {
       if (Outcome outcome = send_to(i, {&round, 1}); !outcome) return outcome;
@@ -304,7 +305,7 @@ Outcome AxesCall::send(std::span<const Round> rounds, std::uint64_t apply_at,
   return {};
 }
 
-/// @param sequences of the frames that carry `rounds` to this bench, as far as they were sent
+/// @param sequences of the frames that were sent to this bench for `rounds`
 void AxesCall::note_given(const BenchPart& part, std::span<const Round> rounds,
                           std::span<const std::uint64_t> sequences) {
   auto sequence = sequences.begin();
@@ -338,13 +339,13 @@ void AxesCall::follow(std::vector<GivenCommand> given) {
   given_ = std::move(given);
 }
 
-/// Takes back the frames that still wait on the other benches when one has refused.
+/// Cancels the frames that still wait on the other benches after one bench has refused.
 void AxesCall::cancel_pending() {
   const FrameContent cancel{.commands = {}, .flags = msg::FRAME_CANCEL_PENDING};
   for (const BenchPart& part : axes_.parts()) {
     SentFrames sent{.target = part.target, .sequences = {}};
     Outcome outcome = core_->exchange.send(sent, {&cancel, 1});
-    // What became of the frames is in their own answers.
+    // The answers to those frames say what became of them.
     (void)core_->exchange.collect(sent, std::move(outcome));
   }
 }
@@ -357,7 +358,7 @@ Answers AxesCall::collect(std::span<const SentFrames> sent, Outcome outcome) {
     BenchPart& part = axes_.parts()[i];
     auto applied = core_->exchange.collect(sent[i], wait ? Outcome() : answers.outcome);
     applied.outcome = axes_.note_lost(part, std::move(applied.outcome));
-    // What was cancelled was cancelled because of another refusal, which names the cause.
+    // Frames were cancelled because of another refusal, and that one names the cause.
     if (!applied.outcome &&
         (answers.outcome || answers.outcome.code() == wire::number(msg::Reason::cancelled))) {
       answers.outcome = applied.outcome;
@@ -371,8 +372,8 @@ Answers AxesCall::collect(std::span<const SentFrames> sent, Outcome outcome) {
 
 // ---- waiting ---------------------------------------------------------------------------------
 
-/// For an axis drive time may pass slower than wall time; where none passes at all the time-out
-/// counts as wall time.
+/// For an axis, drive time may pass more slowly than wall time; if it does not pass at all, the
+/// time-out counts wall time.
 Outcome AxesCall::observe_next(std::string_view awaited, std::span<const std::size_t> late) {
   if (driven_tick() >= deadline_) return timed_out(awaited, late);
   if (axes_.caller() == Caller::group) return axes_.advance(1);
@@ -406,7 +407,7 @@ Outcome AxesCall::await_tick(std::string_view awaited, std::uint64_t tick) {
   return await(awaited, tick, every_axis);
 }
 
-// ---- guarding --------------------------------------------------------------------------------
+// ---- checks ------------------------------------------------------------------------------------
 
 bool AxesCall::is_taken(std::size_t place) const {
   const std::uint64_t owner = snapshots()[place].owner_session;
@@ -458,7 +459,7 @@ bool AxesCall::is_superseded() const {
 }
 
 Outcome AxesCall::check(std::string_view awaited, std::uint64_t from) {
-  // First: who has the axes is noted in each tick, also in those before `from`.
+  // First the owners: they are recorded in each tick, also in those before `from`.
   Outcome own = check_owners();
   if (tick() < from) return {};
   if (!own) return axes_.caller() == Caller::axis ? own : stop_others(std::move(own));
@@ -486,8 +487,8 @@ Outcome AxesCall::explain_by_service(const Outcome& failed, const AxisSnapshot& 
   return service ? failed : service.with_message(service.message() + "; " + failed.message());
 }
 
-/// A service that shuts down answers nothing but reads. The question for the next snapshot changes
-/// nothing and may be asked in every clock mode.
+/// A service that is shutting down answers only reads. Asking for the next snapshot changes nothing
+/// and is allowed in every clock mode.
 Outcome AxesCall::check_service(const AxisSnapshot& axis) {
   if (is_fault(axis.state())) return {};
   const Target& target = part_of(axis.id).target;
@@ -503,8 +504,8 @@ Outcome AxesCall::stop_if_lost(Outcome outcome) {
   return outcome.kind() == OutcomeKind::lost ? stop_others(std::move(outcome)) : outcome;
 }
 
-/// Who loses an axis gets another epoch on that bench. The answer to a request tells it; without it
-/// the bench refuses each frame, also to the axes that are left.
+/// A session that loses an axis gets another epoch on that bench. It learns the new one from the
+/// answer to a request; until then the bench refuses every frame, also to the remaining axes.
 Outcome AxesCall::renew_control(const Round& round) {
   for (const BenchPart& part : axes_.parts()) {
     const bool has_lost = std::ranges::any_of(part.bench->places, [this](std::size_t place) {
@@ -531,9 +532,9 @@ Outcome AxesCall::send_stop(Outcome cause, Answers& stop) {
            find_end(entry.place).has_value();
   });
   if (!round.entries.empty()) stop.outcome = renew_control(round);
-  // At once: a common tick would be later, and what is lost cannot take part in it.
+  // Immediately: a common tick would be later, and a lost bench cannot take part in it.
   if (stop.outcome && !round.entries.empty()) stop = exchange({&round, 1}, Timing::at_once);
-  // A service that shuts down brakes its axes itself.
+  // A service that is shutting down brakes its axes itself.
   if (stop.outcome || stop.outcome.code() == wire::number(msg::Reason::shutting_down)) return cause;
   return Outcome::failed(cause.message() +
                          ", and the others did not stop: " + stop.outcome.message());

@@ -43,22 +43,22 @@ bool in_operation(PowerState state) {
 }  // namespace
 
 struct AxesCommand::Row {
-  /// How many axes of a group have to be able to take it; the others are left out.
+  /// How many axes of a group must be able to take it; the others are left out.
   enum class Takers : std::uint8_t { all, one, any };
 
   EachCommand command;
   std::string_view name{};        ///< in a refusal
-  std::string_view needs{};       ///< what has to be done before
-  bool (*can_take)(PowerState);   ///< else it is refused
-  bool (*is_at_end)(PowerState);  ///< nothing is left to do
+  std::string_view needs{};       ///< required state or action before it
+  bool (*can_take)(PowerState);   ///< otherwise it is refused
+  bool (*is_at_end)(PowerState);  ///< nothing remains to be done
   Takers takers = Takers::all;
   bool is_stop = false;  ///< also acts on axes of other sessions
   Timing timing = Timing::at_once;
   void (AxesCommand::*await_before)() = nullptr;
   std::string_view awaited;
-  PowerState end_state = PowerState::operation_enabled;  ///< of await_end_state()
-  bool stays_enabled = false;    ///< in Operation enabled afterwards; else without a fault
-  bool ends_faults = false;      ///< afterwards no axis of a group has one
+  PowerState end_state = PowerState::operation_enabled;  ///< for await_end_state()
+  bool stays_enabled = false;  ///< in Operation enabled afterwards; otherwise only without a fault
+  bool ends_faults = false;    ///< afterwards no axis of the group has a fault
   void (AxesCommand::*reach)();  ///< waits until it is done
 };
 
@@ -163,7 +163,7 @@ bool AxesCommand::await_before() {
   const std::uint64_t begin = call_.tick();
   (this->*row_.await_before)();
   if (!has_pending() || call_.tick() == begin) return call_.tick() != begin;
-  // What has changed meanwhile counts: in a group also an axis that needed nothing before.
+  // Changes in the meantime count; in a group also for an axis that needed nothing before.
   if (is_group()) is_pending_.assign(is_pending_.size(), true);
   if (is_group() || row_.command == EachCommand::reset_fault) judge();
   return true;
@@ -246,7 +246,7 @@ Outcome AxesCommand::outcome() const {
   return failed == outcomes_.end() ? Outcome() : *failed;
 }
 
-/// In a group an axis that is not in Operation enabled where it has to be stops the others.
+/// In a group, an axis that is not in Operation enabled although it should be stops the others.
 void AxesCommand::conclude_group() {
   if (row_.stays_enabled && !is_left_out_ && has_pending()) {
     end_all(call_.check(row_.awaited, from_));
@@ -254,7 +254,7 @@ void AxesCommand::conclude_group() {
   if (row_.ends_faults) end_if_faulty();
 }
 
-/// Ends the axes that did not come to what was awaited.
+/// Ends the axes that did not reach the awaited state.
 void AxesCommand::conclude() {
   if (is_group()) return conclude_group();
   std::optional<Outcome> service;  // asked once
@@ -269,7 +269,7 @@ void AxesCommand::conclude() {
   }
 }
 
-/// Ends a group of which an axis has a fault, whether the command was for that axis or not.
+/// Ends a group in which an axis has a fault, whether or not the command was for that axis.
 void AxesCommand::end_if_faulty() {
   if (call_.tick() < from_ || !outcome()) return;
   const auto faulty = std::ranges::find_if_not(call_.snapshots(), has_no_fault);
@@ -305,7 +305,7 @@ Outcome AxesCommand::begin_stop() {
   return {};
 }
 
-/// All at once; each for itself where another session owns some of them.
+/// Acquires all axes together, or one by one if another session owns some of them.
 Outcome AxesCommand::acquire() {
   constexpr std::uint32_t kLocalControl = wire_code(AbortCode::refused_local_control);
   Outcome taken = call_.acquire();
@@ -319,7 +319,7 @@ Outcome AxesCommand::acquire() {
   return {};
 }
 
-/// @return whether the command is refused by what the axes show.
+/// @return whether the state of the axes forbids the command.
 bool AxesCommand::refuses_any() const {
   if (is_group() && row_.takers == Row::Takers::any) return false;
   const auto refuses = [this](std::size_t place) {
@@ -355,7 +355,7 @@ void AxesCommand::await_end_of_reaction() {
 
 // ---- in force --------------------------------------------------------------------------------
 
-/// A group waits for the answers before it lets a tick pass: what is refused has changed nothing.
+/// A group waits for the answers before it steps a tick, so that a refusal has changed nothing.
 bool AxesCommand::goes_ahead() const {
   return !is_group() && !stop_ && row_.command != EachCommand::power_cycle;
 }
@@ -364,7 +364,7 @@ bool AxesCommand::stops_if_lost() const {
   return is_group() && row_.command == EachCommand::halt;
 }
 
-/// The n-th round has the n-th word of each axis.
+/// Round n contains word n of each axis.
 std::vector<Round> AxesCommand::rounds() const {
   std::vector<Round> rounds;
   for (const std::size_t place : pending_places()) {
@@ -376,7 +376,7 @@ std::vector<Round> AxesCommand::rounds() const {
       add_word(command, words[i]);
       const bool gives_power = row_.command == EachCommand::enable && words[i] == kEnableOperation;
       if (gives_power && !options_.keep_target) {
-        // Else the axis would follow at once what another program has left.
+        // Otherwise the axis would immediately follow targets left by another program.
         for (const ObjectAddress target : kStandingTargets) add_object(command, target, 0);
       }
       rounds[i].entries.push_back({place, std::move(command)});
@@ -386,7 +386,7 @@ std::vector<Round> AxesCommand::rounds() const {
 }
 
 Outcome AxesCommand::put_in_force() {
-  if (row_.command == EachCommand::halt) {  // which needs control, a quick stop does not
+  if (row_.command == EachCommand::halt) {  // needs control; a quick stop does not
     for (BenchPart& part : call_.axes().parts()) {
       if (Outcome taken = acquire_free(part); !taken) return taken;
     }
@@ -407,12 +407,12 @@ Answers AxesCommand::exchange() {
   if (stop_) {
     Answers answers = exchange_stop(all.front(), timing);
     if (answers.outcome || timing == Timing::at_once) return answers;
-    return exchange_stop(all.front(), Timing::at_once);  // rather apart than not at all
+    return exchange_stop(all.front(), Timing::at_once);  // better apart than not at all
   }
   Answers answers = call_.exchange(all, timing);
   if (!answers.outcome && answers.tick != 0 && row_.command == EachCommand::resume) {
     const Round halt = call_.round_of(kHalt, every_axis);
-    (void)call_.exchange({&halt, 1}, Timing::at_once);  // no axis continues alone
+    (void)call_.exchange({&halt, 1}, Timing::at_once);  // no axis must continue alone
   }
   return answers;
 }
@@ -428,15 +428,15 @@ Outcome AxesCommand::acquire_free(BenchPart& part) {
   axes.reserve(free.size());
   for (const std::size_t place : free) axes.push_back(call_.snapshots()[place].id.axis);
   Outcome taken = core_->control.acquire(part.target, axes);
-  // Another session was faster: what it owns is stopped without control.
+  // Another session was faster: the axes that it owns are stopped without control.
   if (taken.code() == kLocalControl) return {};
   if (!taken) return call_.axes().note_lost(part, std::move(taken));
   for (const std::size_t place : free) is_held_[place] = true;
   return {};
 }
 
-/// Sends frames to the axes that this session owns, and writes 6040h of the others.
-/// @param round one controlword for all its axes
+/// Sends frames to the axes that this session owns, and writes 6040h of the others by requests.
+/// @param round the same controlword for all its axes
 Answers AxesCommand::exchange_stop(const Round& round, Timing timing) {
   Answers answers;
   if (const std::vector<Round> own = held_of(round); !own.empty()) {
@@ -449,7 +449,8 @@ Answers AxesCommand::exchange_stop(const Round& round, Timing timing) {
   return answers;
 }
 
-/// @return the round for the axes that this session owns, in rounds that fit into a frame.
+/// @return the part of the round for axes that this session owns, split into rounds that fit in a
+///         frame.
 std::vector<Round> AxesCommand::held_of(const Round& round) const {
   std::vector<Round> own;
   for (const Round::Entry& entry : round.entries) {
@@ -483,7 +484,7 @@ Outcome AxesCommand::power_cycle() {
   return {};
 }
 
-/// All at once; each for itself where another session owns some of them.
+/// Cycles all axes together, or one by one if another session owns some of them.
 Outcome AxesCommand::power_cycle(const BenchPart& part) {
   const auto cycle = [&](std::span<const std::size_t> places) {
     std::vector<std::uint16_t> axes;
@@ -493,7 +494,7 @@ Outcome AxesCommand::power_cycle(const BenchPart& part) {
         "power cycle of " + (axes.size() == 1 ? name_of(part.target, axes.front())
                                               : "axes of " + name_of(part.target)));
     if (!reply) return reply.outcome();
-    // The tick of this call still shows the axes before it.
+    // The present tick of this call shows the state before the power cycle.
     from_ = std::max({from_, reply->tick, call_.tick() + 1});
     call_.note_in_force(from_);
     return Outcome();
@@ -513,7 +514,7 @@ Outcome AxesCommand::power_cycle(const BenchPart& part) {
   return {};
 }
 
-/// What is done in the tick in which the words are in force, as nearly every drive does it.
+/// Judges in the tick in which the words take effect: nearly every drive has acted by then.
 void AxesCommand::judge_in_force() {
   for (const std::size_t place : pending_places()) {
     if (row_.command == EachCommand::reset_fault) {
@@ -525,7 +526,7 @@ void AxesCommand::judge_in_force() {
   if (is_group() && (options_.until == Until::in_force || !has_pending())) conclude();
 }
 
-/// In Switched on power is on its way.
+/// In Switched on, the drive is still powering on.
 void AxesCommand::judge_enabling(std::size_t place) {
   const AxisSnapshot& axis = call_.snapshots()[place];
   if (is_enabled(axis)) return end(place, {});
@@ -543,8 +544,8 @@ void AxesCommand::judge_reset(std::size_t place, bool is_over) {
 
 // ---- finish ----------------------------------------------------------------------------------
 
-/// Waits until every axis that is pending was `done` once, at `from` or later; ends those that were
-/// not.
+/// Waits until `done` has held once for every pending axis, at `from` or later; ends those for
+/// which it has not.
 template <typename Done>
 void AxesCommand::await_each(std::string_view awaited, std::uint64_t from, const Done& done) {
   std::vector<bool> has_come(is_pending_.size(), false);
@@ -559,7 +560,7 @@ void AxesCommand::await_each(std::string_view awaited, std::uint64_t from, const
   if (!seen) end_all(stops_if_lost() ? call_.stop_if_lost(std::move(seen)) : seen);
 }
 
-/// Ends the axes that have not come to what was awaited, each for itself.
+/// Ends the axes that have not reached the awaited state, each with its own outcome.
 void AxesCommand::end_late(std::string_view awaited, const Outcome& seen,
                            const std::vector<bool>& has_come) {
   for (const std::size_t place : pending_places()) {
@@ -621,7 +622,7 @@ void AxesCommand::await_end_of_stop() {
   await_quick_stops();
 }
 
-/// After a halt an axis continues to its target, or is halted again.
+/// After a resume an axis continues to its target, or is halted again.
 void AxesCommand::await_targets() {
   if (is_group()) return end_all(call_.await_enabled(row_.awaited, from_, has_no_way_left));
   std::vector<Outcome> sound(outcomes_.size());
@@ -648,7 +649,7 @@ void AxesCommand::await_targets() {
   }
 }
 
-/// Lets the axes in Quick stop active come to rest.
+/// Waits until the axes in Quick stop active are at rest.
 void AxesCommand::await_quick_stops() {
   using namespace literals;
   bool none = true;
@@ -669,17 +670,17 @@ void AxesCommand::await_quick_stops() {
 
 namespace {
 
-// Shares that are on the way at a time: their frames fit into the queues of a bench.
+// Shares in progress at the same time: their frames must fit into the queues of a bench.
 constexpr std::size_t kSharesAtOnce = 8;
 
-/// Axes of one bench that fit into a frame, by their places among all axes.
+/// Axes of one bench that fit in one frame, and their places among all axes.
 struct Share {
   std::vector<AxisId> axes;
   std::vector<std::size_t> places;
 };
 
 std::vector<Share> shares_of(std::span<const AxisId> axes) {
-  std::map<std::uint32_t, std::size_t> open;  // the share of a bench that has room
+  std::map<std::uint32_t, std::size_t> open;  // per bench, the share that has room
   std::vector<Share> shares;
   for (std::size_t place = 0; place < axes.size(); ++place) {
     const auto found = open.find(axes[place].bench);
@@ -704,7 +705,7 @@ std::vector<AxisId> ids_of(const Axes& axes, const auto& id_of) {
   return ids;
 }
 
-/// Gives the command to all of them: they wait together, not one after the other.
+/// Gives the command to all calls, which then wait together, not one after the other.
 void start_together(std::span<const std::unique_ptr<AxesCommand>> calls) {
   for (const auto& call : calls) call->open();
   for (const auto& call : calls) call->begin();
@@ -741,7 +742,7 @@ std::vector<Outcome> command_each(const std::shared_ptr<SessionCore>& core,
   }
   for (const auto& call : calls) call->finish();
   std::vector<Outcome> outcomes(axes.size());
-  // From the last to the first: calls that stop axes survive an interrupt one within the other.
+  // From last to first: calls that stop axes and survive an interrupt must end in reverse order.
   while (!calls.empty()) {
     const Share& share = shares[calls.size() - 1];
     for (std::size_t i = 0; i < share.places.size(); ++i) {

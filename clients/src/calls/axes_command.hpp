@@ -18,19 +18,19 @@
 
 namespace vdrive::client {
 
-/// A command that enables, disables, halts, resumes, stops, resets or switches axes off and on.
+/// A command that enables, disables, halts, resumes, stops, resets or power-cycles axes.
 ///
-/// With Caller::axis, of one bench, each is for itself: one that refuses the command or fails does
-/// not keep it from the others. With Caller::group all take it or none: the first refusal is that
-/// of all, and an axis that is not enabled where it has to be stops the others. All axes have the
-/// same time-out.
+/// With Caller::axis the axes are on one bench and independent: one that refuses the command or
+/// fails does not affect the others. With Caller::group all axes take the command or none: the
+/// first refusal is the outcome for all, and an axis that is not enabled although it should be
+/// stops the others. All axes have the same time-out.
 ///
-/// Its steps are called in their order; several commands, for more axes than fit into a frame, wait
-/// together. A command that stops axes does so to those of other sessions, whose owners keep them,
+/// The steps must be called in order; several commands, for more axes than fit in a frame, wait
+/// together. A command that stops axes also acts on axes of other sessions, whose owners keep them,
 /// and after an interrupt of the session.
 class AxesCommand {
  public:
-  /// @param layout at most msg::MAX_AXES_PER_FRAME axes of a bench, save for a stop
+  /// @param layout at most msg::MAX_AXES_PER_FRAME axes per bench, except for a stop
   AxesCommand(std::shared_ptr<SessionCore> core, GroupLayout layout, Caller caller,
               EachCommand command, const CallOptions& options,
               ObservedAxes::Progress progress = {});
@@ -38,35 +38,35 @@ class AxesCommand {
   /// Connects, without waiting for the status of the axes.
   void open();
 
-  /// Observes the axes, takes control of them, and judges which of them can take the command.
+  /// Observes the axes, takes control of them, and determines which of them can take the command.
   void begin();
 
-  /// Waits for what has to end before the command.
+  /// Waits for anything that must end before the command.
   /// @return whether a tick has passed.
   bool await_before();
 
-  /// Others have waited since begin(): observes the axes as they are now, and judges them again.
+  /// If other commands have waited since begin(): observes the axes again, and judges them again.
   void refresh();
 
-  /// Sends the command where that needs no answer before it; else await_in_force() does.
+  /// Sends the command if no answer is needed first; otherwise await_in_force() does.
   void send();
 
   /// Waits until the command is in force.
-  /// @param stepped benches in lock-step of which another one has let a tick pass since send();
-  ///        that of this one is added when it does
+  /// @param stepped benches in lock-step on which another command has stepped a tick since send();
+  ///        this command adds its own if it steps
   void await_in_force(std::set<std::uint32_t>& stepped);
 
-  /// Ends the status of the axes when none of them waits for it any more.
+  /// Stops receiving the status of the axes once none of them needs it.
   void close_unless_pending();
 
-  /// Waits until every axis that took it has done what was commanded.
+  /// Waits until every axis that took the command has completed it.
   void finish();
 
   /// The steps after begin().
   void carry_out();
 
-  /// Before await_in_force(), of EachCommand::resume: the axes at these places follow a stream only
-  /// with the bits of kReleaseStream.
+  /// For EachCommand::resume, before await_in_force(): the axes at these places follow a stream
+  /// only with the bits of kReleaseStream.
   void release_streams_of(std::vector<std::size_t> places) { streams_ = std::move(places); }
 
   /// @return whether an axis has no outcome yet.
@@ -81,7 +81,7 @@ class AxesCommand {
   [[nodiscard]] AxesCall& call() noexcept { return call_; }
 
  private:
-  /// What a command is; one row a command.
+  /// The properties of a command; one row per command.
   struct Row;
 
   static const std::array<Row, 7> kRows;
@@ -98,7 +98,7 @@ class AxesCommand {
 
   [[nodiscard]] bool goes_ahead() const;
 
-  /// A halt that loses a bench would leave the others on their way.
+  /// If a halt loses a bench, the other axes must not keep moving.
   [[nodiscard]] bool stops_if_lost() const;
 
   [[nodiscard]] std::vector<Round> rounds() const;
@@ -141,15 +141,15 @@ class AxesCommand {
   std::vector<std::size_t> streams_;
   std::vector<Outcome> outcomes_;     ///< by place
   std::vector<bool> is_pending_;      ///< by place: the outcome is still open
-  std::vector<bool> is_held_;         ///< by place, of a stop: this session owns the axis
-  bool is_left_out_ = false;          ///< an axis that cannot take the command of a group
-  std::uint64_t from_ = 0;            ///< tick from which on the axes show the command
+  std::vector<bool> is_held_;         ///< by place, for a stop: this session owns the axis
+  bool is_left_out_ = false;          ///< an axis of the group that cannot take the command
+  std::uint64_t from_ = 0;            ///< tick from which on the axes show the effect
   std::vector<AxisSnapshot> at_end_;  ///< by place: when the last wait for the axis ended
 };
 
-/// Gives a command to axes of any benches, each for itself: first to all of them, then waits for
+/// Gives a command to axes on any benches, independently: sends it to all of them, then waits for
 /// all.
-/// @return one outcome an axis, in their order
+/// @return one outcome per axis, in their order
 [[nodiscard]] std::vector<Outcome> command_each(const std::shared_ptr<SessionCore>& core,
                                                 std::span<const AxisId> axes, EachCommand command,
                                                 const CallOptions& options);

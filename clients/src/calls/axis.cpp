@@ -18,11 +18,11 @@
 
 namespace vdrive::client {
 
-/// What a Motion is compared with.
+/// The state that a Motion is checked against.
 struct StartedMove {
   BenchKey bench;
   GivenCommand given;       ///< the set-point
-  std::uint64_t tick = 0;   ///< in or after which the drive has it
+  std::uint64_t tick = 0;   ///< the drive has it in this tick or earlier
   std::int32_t target = 0;  ///< [UU]
 };
 
@@ -41,7 +41,7 @@ Outcome ensure_profile_position(AxesCall& call) {
   });
 }
 
-/// @param what was refused; what the object takes instead follows
+/// @param what the refused value or action; a hint at the values that the object accepts follows
 Outcome refused(ObjectAddress object, std::uint32_t code, const std::string& what,
                 const Unit& unit) {
   const std::string advice = advice_on(object, static_cast<AbortCode>(code), unit);
@@ -144,10 +144,10 @@ Result<Motion> Axis::start_move(std::int32_t position, const MoveOptions& option
 
 namespace {
 
-/// Wall time and drive time that a sample of an axis in real time may have been under way.
+/// Wall time and drive time by which a sample of an axis in real time may be delayed.
 constexpr std::chrono::seconds kOldSample{1};
 
-/// Connects, and waits for the move from then on.
+/// Connects and starts the wait for the move.
 Outcome begin_to_follow(AxesCall& call, const StartedMove& move, std::chrono::nanoseconds timeout) {
   if (Outcome ready = call.begin(timeout); !ready) return ready;
   const Target& target = call.axes().parts().front().target;

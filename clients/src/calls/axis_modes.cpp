@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Calls of an axis in the modes homing, profile velocity and profile torque.
+// The calls of an axis for the modes homing, profile velocity and profile torque.
 #include "base/drive_words.hpp"
 #include "calls/arrival.hpp"
 #include "calls/axes_command.hpp"
@@ -31,17 +31,17 @@ namespace {
 
 using namespace literals;
 
-/// Longer than any button is held.
+/// Longer than anybody holds a button.
 constexpr std::chrono::hours kHeldAtMost{24 * 365};
 
-/// An object that a call sets, if it was given.
+/// An object that a call sets, if a value was given.
 struct Setting {
   ObjectRow row = 0;
   std::optional<std::int64_t> value{};
 };
 
 /// Connects, takes control and checks that the axis can move.
-/// @param objects what the call reads first: AxesCall::take_values()
+/// @param objects that the call reads first: AxesCall::take_values()
 Outcome begin_motion(AxesCall& call, std::chrono::nanoseconds timeout, std::string_view what,
                      std::span<const ObjectAddress> objects) {
   if (Outcome ready = call.begin_control(timeout, objects); !ready) return ready;
@@ -55,8 +55,8 @@ void add_settings(msg::AxisCommand& command, std::span<const Setting> settings) 
   }
 }
 
-/// The motion without an end that a call commands. The session does not give its axis back before
-/// the axis was seen to rest, however the call ends: see Holdings.
+/// The endless motion that a call commands. However the call ends, the session does not release the
+/// axis before it was seen at rest: see Holdings.
 class EndlessMotion {
  public:
   EndlessMotion(SessionCore& core, const AxesCall& call)
@@ -64,16 +64,16 @@ class EndlessMotion {
         key_(call.axes().parts().front().target.key),
         axis_(call.snapshot().id.axis) {}
 
-  /// Sends `round` and observes the tick in which it is in force.
+  /// Sends `round` and observes the tick in which it takes effect.
   Outcome put_in_force(AxesCall& call, Round round) {
     const bool was_running = !rests(call.snapshot()) || holdings_.is_running(key_, axis_);
     round.is_endless = true;
     Outcome done = call.put_in_force({&round, 1});
-    if (done.kind() == OutcomeKind::refused && !was_running) settle();  // it stands
+    if (done.kind() == OutcomeKind::refused && !was_running) settle();  // it is at rest
     return done;
   }
 
-  /// The axis was seen to stop, or the program knows that it runs on after its call.
+  /// The axis was seen to stop, or the program knows that it runs on after the call.
   void settle() { holdings_.forget_running(key_, {&axis_, 1}); }
 
  private:
@@ -82,9 +82,9 @@ class EndlessMotion {
   std::uint16_t axis_;
 };
 
-/// Sends the mode, the settings and Enable operation in one frame, so that the axis never has the
+/// Sends the mode, the settings and Enable operation in one frame, so that the axis never runs the
 /// mode with older settings, and waits until 6061h shows the mode: a moving axis brakes first.
-/// @param motion that begins with this; none in a mode whose motion ends by itself
+/// @param motion that this starts; null for a mode whose motion ends without a further command
 Outcome enter(AxesCall& call, OperatingMode mode, std::span<const Setting> settings,
               EndlessMotion* motion = nullptr) {
   Round round = call.round_of(kEnableOperation, every_axis);
@@ -101,7 +101,8 @@ Outcome enter(AxesCall& call, OperatingMode mode, std::span<const Setting> setti
                             });
 }
 
-/// @return `seen`; when the wait was interrupted while the axis continues, that it does.
+/// @return `seen`; if the wait was interrupted while the axis keeps moving, an outcome that says
+///         so.
 Outcome explained(Outcome seen, const AxesCall& call, const Wakeup& wakeup, std::string_view what) {
   const bool goes_on =
       seen.kind() == OutcomeKind::failed && is_enabled(call.snapshot()) && wakeup.is_interrupted();
@@ -110,7 +111,7 @@ Outcome explained(Outcome seen, const AxesCall& call, const Wakeup& wakeup, std:
                          std::string(what));
 }
 
-/// @return `seen`; of a time-out, with how far the axis has come instead of what it shows.
+/// @return `seen`; for a time-out, with the progress of the axis instead of its state.
 /// @param progress such as "at 812 of 1000 UU/s"
 Outcome with_progress(Outcome seen, const AxesCall& call, std::string_view awaited,
                       const std::string& progress) {
@@ -133,13 +134,13 @@ bool is_homing(const AxisSnapshot& axis) {
 constexpr std::array kSpeedLimits{kObjectRows["app_speed_limit"_object].address,
                                   kObjectRows["motor_speed_limit"_object].address};
 
-/// @return what a homing run reads first.
+/// @return the objects that homing reads first.
 std::span<const ObjectAddress> homing_objects(const HomingOptions& options) {
   if (!options.search_speed && !options.creep_speed) return {};
   return kSpeedLimits;
 }
 
-/// The drive cuts 6099h without a word: what a call gives is meant.
+/// Checks the given speeds explicitly, because the drive limits 6099h silently.
 Outcome check_homing_speeds(AxesCall& call, const HomingOptions& options) {
   if (homing_objects(options).empty()) return {};
   const auto values = call.take_values();
@@ -165,7 +166,7 @@ std::string homing_progress(const AxesCall& call) {
          call.velocity_text(status.velocity_demand_value);
 }
 
-/// What the statusword shows at the end of a run.
+/// Evaluates the statusword at the end of a homing run.
 Outcome homing_result(AxesCall& call) {
   const AxisSnapshot& axis = call.snapshot();
   const std::string name = "axis " + to_string(axis.id);
@@ -189,21 +190,21 @@ bool has_velocity(const AxisSnapshot& axis) {
   return axis.mode() == OperatingMode::profile_velocity && target_reached(axis);
 }
 
-/// A ramp of limited jerk begins and ends without acceleration: at each end one unit of the
-/// velocity takes √(2/J), twice that where the acceleration comes back from the other direction.
+/// A jerk-limited ramp starts and ends with zero acceleration: at each end, one unit of velocity
+/// takes √(2/J), and twice that if the acceleration has to reverse first.
 /// @param jerk [UU/s³]
-/// @return the even ramp [UU/s²] that takes as long for one unit.
+/// @return the constant ramp [UU/s²] that takes the same time for one unit.
 std::int64_t even_ramp_of(std::int64_t jerk) {
   return static_cast<std::int64_t>(std::sqrt(static_cast<double>(jerk) / 8.0));
 }
 
-/// What check_velocity() compares with.
+/// The objects that check_velocity() compares with.
 constexpr auto kVelocityObjects =
     move_bounds_and<"motor_speed_limit"_object, "motion_profile_type"_object,
                     "profile_jerk_1"_object, "profile_jerk_2"_object>();
 
-/// @param slowest receives the slowest ramp that the drive may use [UU/s²]
-/// @return refused where the drive would accept the velocity and never reach it.
+/// @param slowest receives the gentlest ramp that the drive may use [UU/s²]
+/// @return refused if the drive would accept the velocity and never reach it.
 Outcome check_velocity(AxesCall& call, std::int32_t velocity, const VelocityOptions& options,
                        std::int64_t& slowest) {
   auto values = call.take_values();
@@ -214,7 +215,7 @@ Outcome check_velocity(AxesCall& call, std::int32_t velocity, const VelocityOpti
   const std::int64_t motor_speed = others[0];
   const bool has_jerk = others[1] != 0;  // 6086h
   const std::int64_t jerk = std::min(others[2], others[3]);
-  bounds[0] = std::abs(std::int64_t{velocity});  // 6081h is of profile position mode
+  bounds[0] = std::abs(std::int64_t{velocity});  // 6081h is for profile position mode
   bounds[1] = options.acceleration.value_or(bounds[1]);
   bounds[2] = options.deceleration.value_or(bounds[2]);
   slowest = std::min({bounds[1], bounds[2], bounds[4], bounds[5]});
@@ -225,10 +226,10 @@ Outcome check_velocity(AxesCall& call, std::int32_t velocity, const VelocityOpti
                      {.app_speed_limit = bounds[3], .motor_speed_limit = motor_speed});
 }
 
-/// Notices a demand that does not change any more although it goes along a ramp.
+/// Detects a demand that no longer changes although it should follow a ramp.
 class RampWatch {
  public:
-  /// @param slope [units of the demand a second]; 0 counts as 1
+  /// @param slope [units of the demand per second]; 0 counts as 1
   RampWatch(std::int64_t slope, std::chrono::microseconds period)
       : patience_(kSlack + ticks_of(longest_step(slope), period)) {}
 
@@ -245,12 +246,13 @@ class RampWatch {
   [[nodiscard]] bool rests() const noexcept { return rests_; }
 
  private:
-  /// A ramp comes to another whole number within this time; twice that is certain.
+  /// A ramp reaches the next integer within this time; doubled for safety.
   static std::chrono::nanoseconds longest_step(std::int64_t slope) {
     return std::chrono::nanoseconds(std::chrono::seconds(2)) / std::max<std::int64_t>(slope, 1);
   }
 
-  // The tick in which the command is in force, the mode's first one, and one for a lost sample.
+  // Covers the tick in which the command takes effect, the first tick of the mode, and a lost
+  // sample.
   static constexpr std::uint64_t kSlack = 10;
 
   std::uint64_t patience_;
@@ -264,7 +266,7 @@ struct Obstacles {
   LimitSwitchWatch limit_switch;
   RampWatch ramp;
 
-  /// @param target its sign is the direction
+  /// @param target the sign is the direction
   void note(const AxisSnapshot& axis, std::int64_t target, std::int64_t demand) {
     limit_switch.note(axis, target);
     ramp.note(axis.driven_tick(), demand);
@@ -274,9 +276,9 @@ struct Obstacles {
     return limit_switch.has_ended(axis) || ramp.rests();
   }
 
-  /// After a wait that has ended without its target.
+  /// The outcome after a wait that ended without reaching its target.
   /// @param what such as "the velocity of 1024 UU/s (90.00 deg/s)"; `demand` in the same unit
-  /// @param limits what the drive is limited by
+  /// @param limits the limits that apply in the drive
   [[nodiscard]] Outcome outcome(AxesCall& call, const std::string& what, const std::string& demand,
                                 const std::string& limits) const {
     if (Outcome halted = check_halt(call); !halted) return halted;
@@ -289,7 +291,7 @@ struct Obstacles {
   }
 };
 
-/// Sends the velocity. It is in force, but not reached.
+/// Sends the velocity and waits until it is in force; it is not reached yet.
 Outcome start_velocity(AxesCall& call, EndlessMotion& motion, std::int32_t velocity,
                        const VelocityOptions& options) {
   return enter(call, OperatingMode::profile_velocity,
@@ -299,7 +301,7 @@ Outcome start_velocity(AxesCall& call, EndlessMotion& motion, std::int32_t veloc
                &motion);
 }
 
-/// The demand rests at its target while the axis itself comes to it.
+/// The demand can be at its target while the axis is still approaching it.
 /// @return such as "at 512 UU/s (45.00 deg/s) of 1024 UU/s (90.00 deg/s), still on its way".
 std::string velocity_progress(const AxesCall& call, std::int32_t velocity) {
   const AxisStatus& status = call.snapshot().status;
@@ -309,7 +311,7 @@ std::string velocity_progress(const AxesCall& call, std::int32_t velocity) {
          ", still on its way";
 }
 
-/// Runs at the velocity and waits for it, as long as the options require.
+/// Starts the velocity and waits until it is reached, if the options ask for that.
 Outcome reach_velocity(AxesCall& call, EndlessMotion& motion, std::int32_t velocity,
                        const VelocityOptions& options, const Wakeup& wakeup) {
   std::int64_t slowest = 0;
@@ -318,7 +320,7 @@ Outcome reach_velocity(AxesCall& call, EndlessMotion& motion, std::int32_t veloc
   if (!started || options.call.until == Until::in_force) return started;
   Obstacles obstacles{.limit_switch = {}, .ramp = {slowest, call.period()}};
   Outcome seen = call.await_enabled(kVelocityReached, call.tick(), [&](const AxisSnapshot& axis) {
-    // The demand rests at its target while the axis itself comes to it.
+    // The demand can be at its target while the axis is still approaching it.
     const std::int32_t demand = axis.status.velocity_demand_value;
     if (demand != velocity) obstacles.note(axis, velocity, demand);
     return has_velocity(axis) || (demand != velocity && obstacles.keep_back(axis));
@@ -349,7 +351,7 @@ Outcome end_velocity(AxesCall& call, const Wakeup& wakeup, std::chrono::nanoseco
   });
 }
 
-/// @return which other session has commanded the axis by now; nothing when none has.
+/// @return the other session that has commanded the axis since; nothing if there is none.
 std::optional<AxisOwner> new_master(SessionCore& core, const AxisSnapshot& axis) {
   const bool is_other = axis.owner_session != 0 && axis.owner_session != core.id;
   if (!is_other || axis.last_sequence == 0) return std::nullopt;
@@ -358,10 +360,10 @@ std::optional<AxisOwner> new_master(SessionCore& core, const AxisSnapshot& axis)
                    .name = core.names.find(axis.id.bench, axis.owner_session)};
 }
 
-/// A jog whose end was refused or not seen stops its axis by a quick stop, which needs no control:
-/// the axis may be free by now, or taken by a session that has not commanded it yet. What another
-/// session has commanded is left to that session.
-/// @return `cause`, with what became of the axis.
+/// Stops the axis of a jog with a quick stop if the end of the jog was refused or not seen. A quick
+/// stop needs no control: the axis may be free by now, or taken by a session that has not commanded
+/// it yet. An axis that another session has commanded is left to that session.
+/// @return `cause`, with the result of the stop.
 Outcome stop_instead(const std::shared_ptr<SessionCore>& core, const AxisId& id,
                      const Outcome& cause, std::chrono::nanoseconds timeout) {
   AxesCommand stop(core, layout_of(id), Caller::axis, EachCommand::quick_stop,
@@ -381,32 +383,32 @@ Outcome stop_instead(const std::shared_ptr<SessionCore>& core, const AxisId& id,
                            "): ");
 }
 
-/// Brakes the axis of a jog and waits for standstill, whatever it takes.
+/// Brakes the axis of a jog and waits for standstill, falling back to a quick stop.
 Outcome end_jog(const std::shared_ptr<SessionCore>& core, AxesCall& call,
                 std::chrono::nanoseconds timeout) {
   Outcome ended = end_velocity(call, core->wakeup, timeout);
-  // A fault has its own reaction. Of a lost bench no stop would arrive: its watchdog acts.
+  // A fault has its own reaction. A stop would not reach a lost bench, whose watchdog acts.
   if (ended || !is_enabled(call.snapshot()) || ended.kind() == OutcomeKind::lost) return ended;
-  if (call.is_superseded()) return ended;  // the axis is in the hands of another thread
+  if (call.is_superseded()) return ended;  // another thread now commands the axis
   return stop_instead(core, call.snapshot().id, ended, timeout);
 }
 
-/// A stop, a fault or a loss of control leaves 60FFh as it is: enabled again, the axis would run.
-/// An axis that another session has is that session's; of a lost bench nothing can be asked.
+/// A stop, a fault or a loss of control leaves 60FFh unchanged: the axis would run when enabled
+/// again. An axis taken by another session is not touched, and a lost bench cannot be reached.
 void clear_velocity(Axis& axis, const Outcome& ended) {
   if (ended.kind() == OutcomeKind::lost || !axis.acquire()) return;
   (void)axis.write(kTargetVelocity, 0);
 }
 
-/// What was sent may be in force although the wait for it has failed.
+/// The command may have taken effect although the wait for it failed.
 void end_failed_start(const std::shared_ptr<SessionCore>& core, AxesCall& call,
                       const Outcome& started, std::chrono::nanoseconds timeout) {
   if (started.kind() == OutcomeKind::refused || call.is_superseded()) return;
   if (is_enabled(call.snapshot())) (void)end_jog(core, call, timeout);
 }
 
-/// The last of each jog. Superseded, the axis is in the hands of another thread.
-/// @return `ended`, with who has taken the axis.
+/// The last step of every jog. If superseded, another thread now commands the axis.
+/// @return `ended`, naming the session that has taken the axis.
 Outcome conclude_jog(Axis& axis, SessionCore& core, const AxesCall& call, Outcome ended) {
   if (!ended && !call.is_superseded()) clear_velocity(axis, ended);
   const AxisId id = axis.id();
@@ -422,21 +424,22 @@ ObjectRow relative_limit_of(std::int16_t torque) {
                     : "negative_torque_limit_relative"_object;
 }
 
-/// What keeps a torque back that no limit alone forbids: 60E0h and 60E1h bound the current, too.
+/// Names the limits that can hold back a torque that no single limit forbids: 60E0h and 60E1h also
+/// limit the current.
 std::string torque_limits(std::int16_t torque) {
   return object_text(kObjectRows["max_torque"_object].address) + " or " +
          object_text(vdrive::describe(relative_limit_of(torque)).address) +
          ", which also limits the current";
 }
 
-/// @return what check_torque() compares with.
+/// @return the objects that check_torque() compares with.
 std::array<ObjectAddress, 3> torque_objects(std::int16_t torque) {
   return {kObjectRows["torque_slope"_object].address, kObjectRows["max_torque"_object].address,
           vdrive::describe(relative_limit_of(torque)).address};
 }
 
 /// @param slope receives the slope that will be in force
-/// @return refused where the drive would accept the torque and never apply it.
+/// @return refused if the drive would accept the torque and never apply it.
 Outcome check_torque(AxesCall& call, std::int16_t torque, const TorqueOptions& options,
                      std::int64_t& slope) {
   const ObjectRow relative = relative_limit_of(torque);
@@ -450,12 +453,12 @@ Outcome check_torque(AxesCall& call, std::int16_t torque, const TorqueOptions& o
     return above_limit(call.snapshot().id, user_unit(), "torque", torque, limit, value);
   };
   if (wanted > read[1]) return above("max_torque"_object, read[1]);
-  // 0 switches the relative limit off.
+  // 0 disables the relative limit.
   if (read[2] != 0 && wanted > read[2]) return above(relative, read[2]);
   return {};
 }
 
-/// Applies the torque and waits for it, as long as the options require.
+/// Applies the torque and waits until it is reached, if the options ask for that.
 Outcome reach_torque(AxesCall& call, EndlessMotion& motion, std::int16_t torque,
                      const TorqueOptions& options, const Wakeup& wakeup) {
   std::int64_t slope = 0;
@@ -507,8 +510,8 @@ Outcome Axis::home(const HomingOptions& options) {
     return explain_loss(*core_, std::move(started), {&id_, 1});
   }
   if (options.call.until == Until::in_force) return {};
-  // From here on bits 13, 12 and 10 belong to this run: it began in the tick that was observed.
-  // A drive that has not looked at the word yet still shows what it showed before.
+  // From here on, bits 13, 12 and 10 belong to this run, which began in the observed tick. A drive
+  // that has not evaluated the controlword yet still shows the old bits.
   const AnswerTime answer_time(call, kLongestLoop);
   bool has_begun = false;
   Outcome seen = call.await_enabled(kEndOfHoming, call.tick(), [&](const AxisSnapshot& axis) {
@@ -521,7 +524,7 @@ Outcome Axis::home(const HomingOptions& options) {
     return explain_loss(*core_, std::move(seen), {&id_, 1});
   }
   Outcome result = homing_result(call);
-  Outcome dropped = call.put_in_force({kEnableOperation});  // bit 4, for the next edge
+  Outcome dropped = call.put_in_force({kEnableOperation});  // clear bit 4 for the next edge
   if (dropped) dropped = await_look(call);
   return result ? explain_loss(*core_, dropped, {&id_, 1}) : result;
 }
@@ -561,14 +564,14 @@ Outcome Axis::jog(std::int32_t velocity, const std::function<bool(const AxisSnap
     return conclude_jog(*this, *core_, call, std::move(started));
   }
   call.set_timeout(kHeldAtMost);
-  // Without control no watchdog guards the axis: the jog ends at once.
+  // Without control no watchdog guards the axis: end the jog immediately.
   const auto ends = [&](const AxisSnapshot& axis) {
     return axis.owner_session != core_->id || !held(axis);
   };
   Outcome seen;
   try {
     seen = call.await_enabled("the end of the jog", call.tick(), ends);
-  } catch (...) {  // of the program, in `held`
+  } catch (...) {  // thrown by the program in `held`
     (void)conclude_jog(*this, *core_, call, end_jog(core_, call, options.call.timeout));
     throw;
   }

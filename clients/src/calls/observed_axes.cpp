@@ -11,10 +11,10 @@ namespace {
 
 using std::chrono::milliseconds;
 
-// Wall time that one wait for a sample of a stream takes.
+// Wall time of one wait for a sample of a stream.
 constexpr milliseconds kSamplePatience{500};
 
-// Benches whose clocks differ by more do not act on common ticks.
+// Benches whose clocks differ by more than this do not act in common ticks.
 constexpr milliseconds kSynchronised{100};
 
 std::string axes_of(const GroupLayout::Bench& bench) {
@@ -94,7 +94,7 @@ Outcome ObservedAxes::compare_clocks() const {
   return {};
 }
 
-/// A group waits for a bench that is paused while it begins.
+/// A group waits for a bench that is paused when the call starts.
 Outcome ObservedAxes::first_sample(BenchPart& part) {
   const bool is_running = part.feed && !part.target.is_paused;
   if (!is_running) return note(part, core_->observer.observe(part.target, part.bench->axes));
@@ -102,7 +102,7 @@ Outcome ObservedAxes::first_sample(BenchPart& part) {
   return note(part, core_->observer.observe(part.target, part.bench->axes, *part.feed));
 }
 
-/// The first sample of each bench, then the first tick that all of them show.
+/// Observes the first sample of each bench, then the first tick that all of them show.
 Outcome ObservedAxes::observe_first() {
   for (BenchPart& part : parts_) {
     if (Outcome seen = first_sample(part); !seen) return seen;
@@ -115,8 +115,8 @@ Outcome ObservedAxes::observe_first() {
   return {};
 }
 
-/// A bench whose samples come late, as after a link was down, catches up; one whose clock differs
-/// never does.
+/// A bench whose samples are late, for example after a link failure, catches up; one whose clock
+/// differs never does.
 Outcome ObservedAxes::await_common_ticks() {
   const std::uint64_t apart = ticks_of(kSynchronised, period());
   const auto tick_of = [](const BenchPart& part) {
@@ -133,14 +133,14 @@ Outcome ObservedAxes::await_common_ticks() {
               " have different tick numbers: their clocks are not synchronised");
     }
     if (Outcome seen = next(*least); !seen) return seen;
-    // The call that waits for one bench must not fall behind on the others.
+    // While the call waits for one bench, it must not fall behind on the others.
     for (BenchPart& part : parts_) {
       if (Outcome seen = catch_up(part); !seen) return seen;
     }
   }
 }
 
-/// Takes what has arrived, without waiting.
+/// Takes the samples that have arrived, without waiting.
 Outcome ObservedAxes::catch_up(BenchPart& part) {
   while (true) {
     auto sample = core_->stream.next(part.target, *part.feed, {milliseconds(0), true});
@@ -149,14 +149,15 @@ Outcome ObservedAxes::catch_up(BenchPart& part) {
   }
 }
 
-/// Waits for the next sample of a stream: a group until there is one, an axis for a while.
+/// Waits for the next sample of a stream: for a group until there is one, for an axis for a limited
+/// time.
 Outcome ObservedAxes::next(BenchPart& part) {
   const bool is_axis = caller_ == Caller::axis;
   while (true) {
     auto sample = core_->stream.next(
         part.target, *part.feed,
         {.timeout = kSamplePatience, .may_interrupt = true, .needs_drive_time = is_axis});
-    // Also while samples wait: a slow condition is always behind.
+    // Checked even while samples are waiting: a slow condition never catches up.
     if (stop_.stop_requested() || core_->wakeup.is_interrupted()) {
       return Outcome::failed("interrupted");
     }
@@ -210,7 +211,7 @@ Outcome ObservedAxes::look_again() {
   return {};
 }
 
-/// Samples of a stream may be missing: continues until all benches show the same tick.
+/// Samples of a stream can be missing: continues until all benches show the same tick.
 Outcome ObservedAxes::align() {
   std::uint64_t newest = 0;
   bool moved = !steps();
@@ -235,7 +236,7 @@ Outcome ObservedAxes::note_lost(BenchPart& part, Outcome outcome) const {
   return part.loss;
 }
 
-/// A call that continues without the bench that it has lost would wait for ticks that never come.
+/// A call must not continue without its only bench: it would wait for ticks that never arrive.
 Outcome ObservedAxes::require_a_bench() const {
   const bool are_all_lost = std::ranges::all_of(parts_, &BenchPart::is_lost);
   return are_all_lost && !parts_.empty() ? parts_.front().loss : Outcome();
@@ -287,7 +288,7 @@ Result<std::uint64_t> ObservedAxes::newest_tick() {
 
 namespace {
 
-// A sample that was on its way may still show the owner before.
+// A sample sent before the change may still show the previous owner.
 constexpr int kMostSamples = 5;
 
 bool is_loss(const Outcome& outcome) {
@@ -312,7 +313,7 @@ void add_owners(SessionCore& core, const Target& target, std::span<const std::ui
   }
 }
 
-/// @return who holds these axes now, but this session.
+/// @return the other sessions that hold these axes now.
 std::map<AxisId, AxisOwner> owners_of(SessionCore& core, std::span<const AxisId> axes) {
   std::map<std::uint32_t, std::vector<std::uint16_t>> by_bench;
   for (const AxisId& axis : axes) by_bench[axis.bench].push_back(axis.axis);

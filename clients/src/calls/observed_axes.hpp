@@ -15,19 +15,19 @@
 
 namespace vdrive::client {
 
-/// Which axes form a group, and on which benches they are. One axis is a group of one.
+/// The axes of a group, and the benches that they are on. A single axis is a group of one.
 struct GroupLayout {
   struct Bench {
     std::uint32_t number = 0;
     std::vector<std::uint16_t> axes;
-    std::vector<std::size_t> places;  ///< of these axes in the group
+    std::vector<std::size_t> places;  ///< places of these axes in the group
   };
 
   std::vector<AxisId> axes;  ///< in the order of the group
   std::vector<Bench> benches;
 };
 
-/// Axes that the message of a group names; the others are counted.
+/// Axes that the message of a group names; further ones are only counted.
 inline constexpr std::size_t kMostNamed = 4;
 
 /// @param axes each once
@@ -47,51 +47,52 @@ struct BenchPart {
   Target target;
   std::shared_ptr<StatusFeed> feed;  ///< none in lock-step
   Observation seen;
-  std::uint64_t skipped = 0;  ///< ticks since the first observation that the number jumped over
+  std::uint64_t skipped = 0;  ///< ticks jumped over since the first observation
   Outcome loss{};             ///< why the bench is lost, if it is
 
   [[nodiscard]] bool is_lost() const { return !loss; }
 };
 
-/// One axis or more, on one bench or more, tick by tick: all benches show the same tick.
+/// One or more axes on one or more benches, tick by tick: all benches show the same tick.
 class ObservedAxes {
  public:
   using Progress = std::function<void(std::uint64_t tick, std::span<const AxisSnapshot>)>;
 
-  /// @param progress receives each tick that is observed; may be empty
+  /// @param progress called with each observed tick; may be empty
   ObservedAxes(std::shared_ptr<SessionCore> core, GroupLayout layout, Caller caller,
                Progress progress);
 
-  /// Connects to every bench. From then on the status of the axes arrives: several calls that open
-  /// first and connect() then wait for it together.
+  /// Connects to every bench and starts receiving the status of the axes. Several calls can open()
+  /// first and then wait in connect() together.
   Outcome open();
 
-  /// Opens, unless it is open, compares the clocks of the benches, and observes the axes for the
-  /// first time.
+  /// Opens if not yet open, compares the clocks of the benches, and observes the axes for the first
+  /// time.
   Outcome connect();
 
-  /// Ends the status of the axes, which costs the thread that receives it. No further call.
+  /// Stops receiving the status of the axes, which takes time on the receiving thread. No calls
+  /// after this.
   void close() { parts_.clear(); }
 
   /// Advances to the next tick that all benches show; in lock-step by `ticks`.
   /// @param patience wall time for other steppers to grant the next tick
-  /// @return timed_out, for an axis, when no sample came for a while.
+  /// @return timed_out, for an axis, if no sample arrived for a while.
   Outcome advance(std::uint64_t ticks, std::chrono::milliseconds patience = kStepPatience);
 
-  /// Observes what has arrived by now, without waiting for more; in lock-step the present.
+  /// Observes what has arrived so far, without waiting; in lock-step the present state.
   Outcome refresh();
 
-  /// Observes the axes anew, as they were when this call began or later. A sample may have been
-  /// under way for long, and show a state of before an answer that another session has already:
-  /// before a call is refused for what the axes show, it looks again. In lock-step each observation
-  /// is an answer.
+  /// Observes the axes again, as they were when this call began or later. A sample may have been
+  /// delayed and show a state from before an answer that another session already has. So before a
+  /// call is refused because of the state of the axes, it looks again. In lock-step every
+  /// observation is the answer to a request.
   Outcome look_again();
 
-  /// Ends calls that wait for a sample with `failed` once this is requested.
+  /// Once this is requested, ends calls that wait for a sample with `failed`.
   void stop_by(std::stop_token stop) { stop_ = std::move(stop); }
 
-  /// @return `outcome`; when it is `lost`, the part is lost from now on, and the
-  ///         message of a group names the axes that are lost with it.
+  /// @return `outcome`; if it is `lost`, the part is lost from now on, and for a group the message
+  ///         names the axes that are lost with it.
   Outcome note_lost(BenchPart& part, Outcome outcome) const;
 
   /// @return whether the bench of this axis is not lost.
@@ -100,14 +101,14 @@ class ObservedAxes {
   /// The newest tick that any bench has published.
   Result<std::uint64_t> newest_tick();
 
-  /// The axes as they were observed last, in the order of the group.
+  /// The axes as last observed, in the order of the group.
   [[nodiscard]] const std::vector<AxisSnapshot>& snapshots() const noexcept { return snapshots_; }
 
-  /// Of the first bench that is not lost.
+  /// The tick of the first bench that is not lost.
   [[nodiscard]] std::uint64_t tick() const noexcept { return tick_; }
 
-  /// The same without the ticks that the number has jumped over since the first observation: what
-  /// durations and deadlines count in.
+  /// tick() without the ticks that the tick number jumped over since the first observation: use it
+  /// for durations and deadlines.
   [[nodiscard]] std::uint64_t driven_tick() const noexcept { return driven_tick_; }
 
   [[nodiscard]] std::chrono::microseconds period() const { return parts_.front().target.period; }
@@ -146,16 +147,16 @@ class ObservedAxes {
   std::stop_token stop_;
 };
 
-/// For a call that has ended. A command frame with an epoch that is not current is refused, and its
-/// answer does not say who has taken the axes: their status does. Waits for that status, and for
-/// the name of the new owner, a second at most in all where the bench sends.
+/// For a call that has ended. A command frame with an outdated epoch is refused, and its answer
+/// does not say who has taken the axes: their status does. Waits for that status and for the name
+/// of the new owner, at most a second in total if the bench sends.
 /// @param axes that the call has commanded
-/// @return a refusal for that reason, with the session that holds one of the axes now, where one
-///         does; any other outcome as it is.
+/// @return for such a refusal, the refusal with the session that holds one of the axes now, if any;
+///         any other outcome unchanged.
 [[nodiscard]] Outcome explain_loss(SessionCore& core, Outcome outcome,
                                    std::span<const AxisId> axes);
 
-/// The same for a call with an outcome for each axis.
+/// As explain_loss(), for a call with one outcome per axis.
 void explain_losses(SessionCore& core, std::span<Outcome> outcomes, std::span<const AxisId> axes);
 
 }  // namespace vdrive::client

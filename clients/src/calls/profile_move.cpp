@@ -83,13 +83,13 @@ Outcome ProfileMove::prepare() {
   in_force[deceleration] = options_.deceleration.value_or(before_[deceleration]);
   const AxisId& axis = call_.snapshot().id;
   if (Outcome good = check_bounds(axis, in_force); !good || !options_.velocity) return good;
-  // Of its own 6081h the drive takes as much as 607Fh allows; what a call gives is meant.
+  // The drive silently limits 6081h to 607Fh; a value given to the call must not be limited.
   return check_speed(
       axis, call_.unit_of(axis), *options_.velocity,
       {.app_speed_limit = before_[highest_speed], .motor_speed_limit = before_[motor_limit]});
 }
 
-/// The edge of bit 4 with the set-point.
+/// The set-point with the rising edge of bit 4.
 Round ProfileMove::set_point(std::int32_t target, bool relative) const {
   std::uint16_t word = kEnableOperation | Controlword::kNewSetPoint;
   if (!options_.queue) word |= Controlword::kChangeSetImmediately;
@@ -113,7 +113,7 @@ Round ProfileMove::set_point(std::int32_t target, bool relative) const {
   return round;
 }
 
-/// A relative target counts from the present demand position: exact for an axis at rest.
+/// A relative target counts from the present demand position, which is exact for an axis at rest.
 std::int32_t ProfileMove::target_of(std::int32_t value, bool relative) const {
   if (!relative) return value;
   const AxisStatus& status = call_.snapshot().status;
@@ -129,17 +129,17 @@ Outcome ProfileMove::start(std::int32_t target, bool relative) {
   const bool leads_up = target_ > call_.snapshot().status.position_demand_value;
   wraps_ = relative && target != 0 && leads_up != (target > 0);
   is_relative_ = relative;
-  // Bit 4 has to drop before its edge: another thread may have raised it at this moment.
+  // Bit 4 must be 0 before its edge: another thread may have just set it.
   std::vector<Round> rounds{call_.round_of(kEnableOperation, every_axis),
                             set_point(target, relative)};
-  // The drive takes 6081h when it sees the edge: mostly in the tick of the edge.
+  // The drive samples 6081h when it sees the edge, in most cases in the tick of the edge.
   const bool keeps_velocity = options_.velocity && looks_once_in_a_loop_;
   if (options_.velocity && !keeps_velocity) rounds.push_back(old_velocity());
   if (Outcome done = call_.put_in_force(rounds); !done) {
     if (done.kind() == OutcomeKind::refused) put_back_ramps();
     return done;
   }
-  // From here on bits 12 and 10 belong to this set-point: it acts in the tick that was observed.
+  // From here on, bits 12 and 10 belong to this set-point, which acts in the observed tick.
   Outcome taken = await_acknowledge();
   if (!keeps_velocity) return taken;
   const Round velocity_back = old_velocity();
@@ -147,8 +147,8 @@ Outcome ProfileMove::start(std::int32_t target, bool relative) {
   return taken ? back : taken;
 }
 
-/// A drive that obeys each word has answered that it took the set-point. Its bit 12 may be 0
-/// already, where another thread has dropped bit 4 of a move of its own.
+/// A drive that evaluates every controlword has already answered that it took the set-point. Its
+/// bit 12 may be 0 again if another thread has cleared bit 4 after a move of its own.
 Outcome ProfileMove::await_acknowledge() {
   constexpr std::string_view kAcknowledge = "the acknowledge, bit 12";
   if (!looks_once_in_a_loop_) return call_.check(kAcknowledge, call_.tick());
@@ -157,7 +157,7 @@ Outcome ProfileMove::await_acknowledge() {
   });
 }
 
-/// 6081h is of this move alone.
+/// Restores 6081h, which was set for this move only.
 Round ProfileMove::old_velocity() const {
   Round round = call_.round_to(every_axis);
   msg::AxisCommand& command = round.entries.front().command;
@@ -170,8 +170,8 @@ Outcome ProfileMove::await_target() {
   Outcome reached = client::await_target(
       call_, wakeup_, wraps_ ? std::nullopt : std::optional(target_), call_.tick());
   if (reached) return reached;
-  if (call_.is_superseded()) return reached;  // the ramps are those of another motion
-  // After a time-out the axis still moves, and after a halt it continues: the ramps are those of
+  if (call_.is_superseded()) return reached;  // the ramps belong to another motion
+  // After a time-out the axis is still moving, and after a halt it may continue: keep the ramps of
   // its motion.
   const AxisSnapshot& axis = call_.snapshot();
   const bool is_over = axis.status.velocity_demand_value == 0 && !target_reached(axis);
@@ -179,7 +179,7 @@ Outcome ProfileMove::await_target() {
   return reached;
 }
 
-/// @return whether there are any.
+/// @return whether there are ramps to restore.
 bool ProfileMove::add_old_ramps(Round& round) const {
   msg::AxisCommand& command = round.entries.front().command;
   if (options_.acceleration) {
@@ -193,7 +193,7 @@ bool ProfileMove::add_old_ramps(Round& round) const {
   return options_.acceleration || options_.deceleration;
 }
 
-/// After a failure, which stays the outcome whatever becomes of this.
+/// Called after a failure, which stays the outcome whether or not this succeeds.
 void ProfileMove::put_back_ramps() {
   Round round = call_.round_to(every_axis);
   if (add_old_ramps(round)) (void)call_.put_in_force({&round, 1});
@@ -206,14 +206,14 @@ Outcome ProfileMove::finish() {
   if (waited) add_old_ramps(last);
   if (Outcome done = call_.put_in_force({&last, 1}); !done) return done;
   if (Outcome free = await_next_edge(); !free) return free;
-  // The target of a relative move is not known where 60F2h counts from an earlier target.
+  // The target of a relative move is unknown if 60F2h counts from an earlier target.
   return waited ? check_arrival(call_, at_rest, target_, !is_relative_) : Outcome();
 }
 
-/// A drive that looks at its controlword once in a loop has seen that bit 4 has dropped when bit 12
-/// does: before that another edge would be lost.
+/// A drive that evaluates its controlword once per loop has seen bit 4 go low when bit 12 goes low:
+/// another edge before that would be lost.
 Outcome ProfileMove::await_next_edge() {
-  // Bit 12 of what is queued stays 1 until the buffer is free.
+  // Bit 12 of a queued set-point stays 1 until the buffer is free.
   if (options_.queue || !looks_once_in_a_loop_) return {};
   return call_.await("the end of the acknowledge, bit 12", call_.tick(),
                      [](const AxisSnapshot& axis) {

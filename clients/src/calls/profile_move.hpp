@@ -15,8 +15,8 @@
 
 namespace vdrive::client {
 
-/// What bounds a move in profile position mode. The drive takes 0 for each of them, and does not
-/// move then, or with 1 UU/s².
+/// The limits of a move in profile position mode. The drive accepts 0 for each of them, and then
+/// does not move, or moves with 1 UU/s².
 inline constexpr std::array kMoveBounds = [] {
   using namespace literals;
   return std::array{
@@ -25,7 +25,7 @@ inline constexpr std::array kMoveBounds = [] {
       kObjectRows["app_acc_limit"_object].address,    kObjectRows["app_dec_limit"_object].address};
 }();
 
-/// @return kMoveBounds, then these.
+/// @return kMoveBounds followed by `kOthers`.
 template <ObjectRow... kOthers>
 [[nodiscard]] consteval auto move_bounds_and() {
   const std::array others{kObjectRows[kOthers].address...};
@@ -34,7 +34,7 @@ template <ObjectRow... kOthers>
   return objects;
 }
 
-/// What ProfileMove reads.
+/// The objects that ProfileMove reads.
 inline constexpr auto kMoveObjects = [] {
   using namespace literals;
   return move_bounds_and<"motor_speed_limit"_object, "positioning_option_code"_object,
@@ -42,7 +42,7 @@ inline constexpr auto kMoveObjects = [] {
 }();
 
 /// @param values of kMoveBounds, in this order
-/// @return refused, naming the first of them that is 0.
+/// @return refused, naming the first one that is 0.
 [[nodiscard]] Outcome check_bounds(const AxisId& axis, std::span<const std::int64_t> values);
 
 /// @param unit of the axis
@@ -51,39 +51,40 @@ inline constexpr auto kMoveObjects = [] {
                                   std::int64_t value, ObjectRow limit, std::int64_t limit_value,
                                   std::string_view remark = {});
 
-/// What a speed that a call gives is compared with.
+/// The limits that a given speed is checked against.
 struct SpeedLimits {
   std::int64_t app_speed_limit;    ///< 607Fh [UU/s]
-  std::int64_t motor_speed_limit;  ///< 5E11h: 6080h in the same units [UU/s]
+  std::int64_t motor_speed_limit;  ///< 5E11h: 6080h converted to the same units [UU/s]
 };
 
 /// @param unit of the axis
 /// @param velocity [UU/s]
-/// @param what it is, for the message
-/// @return refused where the drive would accept the speed and never reach it, naming the limit.
+/// @param what the quantity, for the message
+/// @return refused, naming the limit, if the drive would accept the speed and never reach it.
 [[nodiscard]] Outcome check_speed(const AxisId& axis, const Unit& unit, std::int64_t velocity,
                                   const SpeedLimits& limits, std::string_view what = "velocity");
 
-/// One move of the only axis of a call, with the speed and the ramps that the options give for it.
+/// One move of the only axis of a call, with the speed and the ramps given in the options.
 class ProfileMove {
  public:
-  /// @param call, wakeup, options outlive this
+  /// @param call, wakeup, options must outlive this
   ProfileMove(AxesCall& call, const Wakeup& wakeup, const MoveOptions& options)
       : call_(call), wakeup_(wakeup), options_(options) {}
 
-  /// Takes what the drive has: `call` has asked for kMoveObjects. @return refused where the axis
-  /// could not move, with nothing changed.
+  /// Evaluates kMoveObjects, which `call` has requested.
+  /// @return refused, with nothing changed, if the axis could not move.
   Outcome prepare();
 
-  /// Hands the set-point over, and waits until the drive has taken it. 6081h, which the drive takes
-  /// with the set-point, has its old value again at once; after bit 12 where the drive looks
-  /// seldom.
+  /// Hands over the set-point and waits until the drive has taken it. The old value of 6081h is
+  /// restored immediately, because the drive samples it with the set-point; after bit 12 if the
+  /// drive evaluates its controlword only once per loop.
   Outcome start(std::int32_t target, bool relative);
 
   /// Waits until the axis is at its target; see await_target of arrival.hpp.
   Outcome await_target();
 
-  /// Drops bit 4. @return failed where the axis rests elsewhere: see check_arrival of arrival.hpp.
+  /// Clears bit 4.
+  /// @return failed if the axis is at rest elsewhere: see check_arrival of arrival.hpp.
   Outcome finish();
 
  private:
@@ -98,11 +99,11 @@ class ProfileMove {
   AxesCall& call_;
   const Wakeup& wakeup_;
   const MoveOptions& options_;
-  std::vector<std::int64_t> before_;  ///< values of kMoveObjects, before the move
+  std::vector<std::int64_t> before_;  ///< values of kMoveObjects before the move
   std::int32_t target_ = 0;           ///< absolute
   bool is_relative_ = false;
-  bool wraps_ = false;                 ///< the way to it leads through the end of the register
-  bool looks_once_in_a_loop_ = false;  ///< the drive, at 6040h: 5E20h:06
+  bool wraps_ = false;                 ///< the move crosses the end of the position range
+  bool looks_once_in_a_loop_ = false;  ///< the drive evaluates 6040h once per loop: 5E20h:06
 };
 
 }  // namespace vdrive::client

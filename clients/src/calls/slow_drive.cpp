@@ -14,8 +14,8 @@ namespace {
 
 using namespace literals;
 
-/// @return of each axis the time between two looks at 6040h; 0, it obeys each word, also where the
-///         bench does not say it.
+/// @return for each axis, the interval at which the drive evaluates 6040h; 0 if it evaluates every
+///         controlword, or if the bench does not state it.
 std::vector<std::chrono::milliseconds> loops_of(AxesCall& call) {
   std::vector<std::chrono::milliseconds> loops(call.snapshots().size());
   const auto values = call.read(std::array{kObjectRows["habit_controlword_loop"_object].address});
@@ -40,7 +40,7 @@ bool is_under_way(const AxisSnapshot& axis) {
   return !is_enabled(axis) && has_no_fault(axis);
 }
 
-/// Gives each of these axes, which are under way, its next word of enabling.
+/// Gives each of these axes the next controlword on its way to Operation enabled.
 Outcome take_a_step(AxesCall& call, std::span<const std::size_t> places) {
   Round round;
   std::vector<PowerState> before;

@@ -17,12 +17,12 @@ namespace {
 using Clock = Wakeup::Clock;
 using std::chrono::milliseconds;
 
-// One request steps at most this far, so that an interrupt or a lost service is noticed.
+// Limit per request, so that an interrupt or a lost service is noticed between requests.
 constexpr std::uint64_t kTicksPerRequest = 2000;
 
 constexpr std::size_t kAxesPerRequest = msg::MAX_AXES_PER_FRAME;
 
-// For the end of a session: the service may be gone already.
+// At the end of a session: the service may be gone already.
 constexpr Patience kLeaveAnswer{milliseconds(500), false};
 
 /// Wall time until the deadline, which may have passed.
@@ -38,13 +38,13 @@ wire::ClockOfBench clock_of(const BenchKey& key) {
   return {.bench = key.number, .incarnation = key.incarnation};
 }
 
-/// Whether a step was accepted: it ended, or waits for another stepper.
+/// Whether a step was accepted: it ended, or it waits for another stepper.
 bool is_accepted(const msg::Reply& reply) {
   return reply.reason == msg::Reason::none || reply.reason == msg::Reason::missing_stepper;
 }
 
-/// @return the next request of a step, taken off what is left of it. The axes are shown once time
-///         has passed.
+/// @return the next request of a step, subtracted from `ticks`. The axes are included once time has
+///         passed.
 msg::Request next_request(std::uint64_t& ticks, std::span<const std::uint16_t>& axes) {
   const std::uint64_t some = std::min(ticks, kTicksPerRequest);
   ticks -= some;
@@ -53,7 +53,7 @@ msg::Request next_request(std::uint64_t& ticks, std::span<const std::uint16_t>& 
   return ask::step(some, {shown.begin(), shown.end()});
 }
 
-/// Fills the samples from place `first` on with the axes of an answer, which are the last ones.
+/// Fills the samples from place `first` on with the axes of an answer, which come last.
 void fill_samples(const RequestAnswer& answer, std::size_t first,
                   std::vector<AxisSnapshot>& samples) {
   samples.resize(first + answer.axes.size());
@@ -100,13 +100,13 @@ Result<std::uint64_t> BenchClocks::join(const Target& target, std::uint32_t step
 
 void BenchClocks::leave(const Target& target) {
   {
-    // First: a call that steps meanwhile must not count on the grant.
+    // First, so that a call that steps in the meantime does not rely on the grant.
     const std::scoped_lock lock(mutex_);
     grants_.erase(target.key);
   }
   forget_thread(target.key);
   const auto number = exchange_.send(target, ask::leave_clock());
-  if (number) (void)exchange_.await(target, *number, kLeaveAnswer);  // it may be gone
+  if (number) (void)exchange_.await(target, *number, kLeaveAnswer);  // the service may be gone
 }
 
 void BenchClocks::leave_all() {
@@ -141,7 +141,7 @@ Result<StepLock> BenchClocks::lock_steps(const Target& target, Clock::time_point
   std::unique_lock state(mutex_);
   if (!grants_.contains(target.key)) return StepLock();
   TurnMutex& steps = steps_[target.key];
-  state.unlock();  // the order of steps comes before the state
+  state.unlock();  // the lock for the order of steps must be taken before this one
   StepLock lock(steps, deadline);
   if (!lock) {
     return Outcome::timed_out("another thread of this session steps " + name_of(target) +
@@ -172,7 +172,7 @@ Result<PendingStep> BenchClocks::begin_step_to(const Target& target, std::uint64
     }
     const std::uint64_t granted = grant->second.granted;
     step.ticks = tick > granted ? tick - granted : 0;
-    // Before it is sent: two calls at once must not grant the same ticks.
+    // Recorded before it is sent: two concurrent calls must not grant the same ticks.
     grant->second.granted += step.ticks;
   }
   // The step waits for the commands that were sent before it.
@@ -190,7 +190,7 @@ void BenchClocks::note_reply(const BenchKey& key, const PendingStep& step,
   if (grant == grants_.end()) return;
   if (is_accepted(reply)) {
     grant->second.reached = std::max(grant->second.reached, reply.tick);
-  } else if (reply.reason == msg::Reason::not_a_stepper) {  // taken off the clock
+  } else if (reply.reason == msg::Reason::not_a_stepper) {  // removed from the clock
     grants_.erase(grant);
     forget_thread(key);
   } else {
@@ -198,7 +198,7 @@ void BenchClocks::note_reply(const BenchKey& key, const PendingStep& step,
   }
 }
 
-/// What a step came to: reached, or REASON_MISSING_STEPPER in the reply.
+/// The result of a step: reached, or REASON_MISSING_STEPPER in the reply.
 Result<RequestAnswer> BenchClocks::conclude_step(const Target& target, const PendingStep& step,
                                                  Clock::time_point deadline, Silence silence) {
   auto reply = exchange_.await(target, step.request, {left_until(deadline), true, false, silence});
@@ -221,7 +221,7 @@ Result<std::uint64_t> BenchClocks::end_step(const Target& target, PendingStep st
     if (!reply) return reply.outcome();
     if (reply->reason == msg::Reason::none) return reply->tick;
     if (Clock::now() >= deadline) return missing_stepper(target, reply->missing_stepper);
-    // What was granted stays granted: asks without ticks until the others have granted theirs.
+    // Granted ticks stay granted: repeat with 0 ticks until the others have granted theirs.
     const auto again = begin_step_to(target, 0);
     if (!again) return again.outcome();
     step = *again;
@@ -253,9 +253,9 @@ Result<RequestAnswer> BenchClocks::step_as_stepper(const Target& target, const G
     const auto step = begin_step_to(target, aim, request.axes);
     if (!step) return step.outcome();
     auto reply = conclude_step(target, *step, deadline, silence);
-    // A call that only observes takes the state as it is.
+    // A call that only observes accepts the state as it is.
     if (!reply || reply->reason == msg::Reason::none || request.ticks == 0) return reply;
-    // Time that passes shows that the other steppers live: the patience begins anew.
+    // Passing time shows that the other steppers are alive: restart the patience.
     if (reply->tick > reached) deadline = Clock::now() + patience;
     reached = reply->tick;
     if (Clock::now() >= deadline) return missing_stepper(target, reply->missing_stepper);
@@ -264,7 +264,7 @@ Result<RequestAnswer> BenchClocks::step_as_stepper(const Target& target, const G
 
 Result<RequestAnswer> BenchClocks::step_once(const Target& target, msg::Request request,
                                              milliseconds patience, Silence silence) {
-  // A call that only observes waits for nobody.
+  // A call that only observes does not wait.
   Result<StepLock> steps = StepLock();
   if (request.ticks > 0) steps = lock_steps(target, Clock::now() + patience);
   if (!steps) return steps.outcome();
@@ -289,7 +289,7 @@ Outcome BenchClocks::step(const Target& target, std::uint64_t ticks,
                           std::span<const std::uint16_t> axes, milliseconds patience,
                           Silence silence, Observation& sample) {
   std::uint64_t left = ticks;
-  std::vector<AxisSnapshot> earlier;  // of all replies but the last: until then a step may fail
+  std::vector<AxisSnapshot> earlier;  // from all replies but the last: until then a step may fail
   bool is_last = false;
   do {
     if (left != 0 && wakeup_.is_interrupted()) return Outcome::failed("interrupted");

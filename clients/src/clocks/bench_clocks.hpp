@@ -22,8 +22,8 @@
 
 namespace vdrive::client {
 
-/// What std::timed_mutex is. The thread sanitizer of gcc 12 does not see that std::timed_mutex is
-/// locked where the deadline is one of the steady clock, and reports its unlock.
+/// Replaces std::timed_mutex: the thread sanitizer of gcc 12 does not see that a std::timed_mutex
+/// is locked with a steady-clock deadline, and reports its unlock as an error.
 class TurnMutex {
  public:
   void lock() {
@@ -60,13 +60,13 @@ class TurnMutex {
 /// Wall time that a step waits for the other steppers of its clock to grant the next tick.
 inline constexpr std::chrono::milliseconds kStepPatience{10'000};
 
-/// What this session granted as a stepper of one run of a service.
+/// The grants of this session as a stepper of one run of a service.
 struct Grant {
-  std::uint64_t granted = 0;  ///< last tick that it lets pass
+  std::uint64_t granted = 0;  ///< last tick that it allows
   std::uint64_t reached = 0;  ///< tick of the last answer
 };
 
-/// A step that was requested and not answered yet.
+/// A step that was requested and is not answered yet.
 struct PendingStep {
   std::uint64_t request = 0;  ///< its number
   std::uint64_t ticks = 0;    ///< that it grants
@@ -75,8 +75,8 @@ struct PendingStep {
 /// The right to step a joined clock: no other thread of the session steps it while this lives.
 using StepLock = std::unique_lock<TurnMutex>;
 
-/// The clocks of benches: steps, alone or as one of several steppers, and rates. Thread-safe:
-/// steps that several threads ask for at once follow each other.
+/// The clocks of benches: their rates, and steps, alone or as one of several steppers. Thread-safe:
+/// if several threads step at the same time, the steps run one after the other.
 class BenchClocks {
  public:
   BenchClocks(std::uint64_t session, Exchange& exchange, Holdings& holdings, Discovery& discovery,
@@ -84,53 +84,53 @@ class BenchClocks {
 
   Result<std::uint64_t> set_rate(const Target& target, double rate);
 
-  /// Steps, and shows `axes` afterwards. 0 ticks only show.
+  /// Steps, then returns the state of `axes`. With 0 ticks, only returns the state.
   /// @param patience wall time for other steppers to grant the next tick
   Result<Observation> step(const Target& target, std::uint64_t ticks,
                            std::span<const std::uint16_t> axes,
                            std::chrono::milliseconds patience = kStepPatience,
                            Silence silence = Silence::ends_call);
 
-  /// The same, with the memory of an earlier sample.
-  /// @param sample what is shown on success, else as it was
+  /// As above, reusing the memory of an earlier sample.
+  /// @param sample set to the state on success, otherwise unchanged
   Outcome step(const Target& target, std::uint64_t ticks, std::span<const std::uint16_t> axes,
                std::chrono::milliseconds patience, Silence silence, Observation& sample);
 
-  /// @return whether one request of this session alone steps that far: no interrupt ends it.
+  /// @return whether one request of this session alone covers the step: no interrupt ends it.
   [[nodiscard]] bool steps_at_once(const Target& target, std::uint64_t ticks) const;
 
   /// Makes this session a stepper of the bench.
-  /// @param steppers that time waits for, with this one
-  /// @return the present tick; refused where a step
-  /// would wait for ever: on a bus, where this thread has joined the clock with another session.
+  /// @param steppers that time waits for, including this one
+  /// @return the present tick; refused if a step would wait for ever: on a bus, if this thread has
+  ///         joined the clock with another session.
   Result<std::uint64_t> join(const Target& target, std::uint32_t steppers);
 
-  /// Ends that, if the service still answers.
+  /// Makes this session no longer a stepper, if the service still answers.
   void leave(const Target& target);
 
   /// Leaves the clock of every bench.
   void leave_all();
 
-  /// The session grants and leaves nothing any more; its threads may join with other sessions.
+  /// The session no longer grants or leaves anything; its threads may join with other sessions.
   void abandon() noexcept;
 
-  /// Before a step of a joined clock, for as long as it takes: steps that several threads ask for
-  /// at once follow each other, and each has ticks of its own.
-  /// @return not locked when this session has not joined the clock; timed_out at the deadline.
+  /// Locks the steps of a joined clock: if several threads step at the same time, the steps run one
+  /// after the other, and each gets its own ticks.
+  /// @return no lock if this session has not joined the clock; timed_out at the deadline.
   [[nodiscard]] Result<StepLock> lock_steps(const Target& target,
                                             Wakeup::Clock::time_point deadline);
 
-  /// What this session granted; nothing when it has not joined the clock.
+  /// @return the grants of this session; nothing if it has not joined the clock.
   [[nodiscard]] std::optional<Grant> grant_of(const BenchKey& key) const;
 
-  /// Of a bench whose clock this session has joined: requests to let time pass until `tick`, and
-  /// does not wait.
-  /// @param shown axes whose status the answer has
+  /// For a bench whose clock this session has joined: requests time up to `tick`, without waiting.
+  /// @param shown axes whose status the answer contains
   Result<PendingStep> begin_step_to(const Target& target, std::uint64_t tick,
                                     std::vector<std::uint16_t> shown = {});
 
-  /// Waits until that tick is reached, with new requests while other steppers have not granted it.
-  /// @return the tick reached, timed_out at the deadline, naming the stepper that is missing.
+  /// Waits until that tick is reached, repeating the request while other steppers have not granted
+  /// it.
+  /// @return the tick reached; timed_out at the deadline, naming the missing stepper.
   Result<std::uint64_t> end_step(const Target& target, PendingStep step,
                                  Wakeup::Clock::time_point deadline);
 
@@ -155,7 +155,7 @@ class BenchClocks {
   wire::Participant& participant_;       ///< knows which threads have joined clocks
   mutable std::mutex mutex_;             ///< guards the grants
   std::map<BenchKey, Grant> grants_;     ///< of the clocks that this session has joined
-  std::map<BenchKey, TurnMutex> steps_;  ///< each orders the steps of a clock
+  std::map<BenchKey, TurnMutex> steps_;  ///< each puts the steps of a clock in order
 };
 
 }  // namespace vdrive::client

@@ -17,15 +17,15 @@ namespace {
 
 using namespace literals;
 
-// A running bench sends a sample of its status stream each tick; this allows for the match, and for
-// a service that connects again.
+// A running bench sends a status sample each tick; the time allows for DDS matching and for a
+// service that is reconnecting.
 constexpr Patience kFirstSample{std::chrono::milliseconds(5000), true, true};
 
-// The caller has chosen the tick, which may be far ahead: an interrupt or a lost bench ends the
+// The caller chose the tick, which may be far ahead: only an interrupt or a lost bench ends the
 // wait.
 constexpr Patience kAnyTick{std::chrono::hours(24 * 365), true, true, Silence::is_bridged};
 
-// Requests on the way at a time: their answers take one after the other, and no queue overflows.
+// Most requests in flight: their answers arrive one after the other, and no queue overflows.
 constexpr std::size_t kReadsAtOnce = 16;
 
 constexpr ObjectAddress kStatusword = kObjectRows["ds402_statusword"_object].address;
@@ -70,7 +70,7 @@ Result<Observation> Observer::observe(const Target& target, std::span<const std:
   return sample;
 }
 
-/// While time stands still a bench sends no status frames.
+/// A bench sends no status frames while time stands still.
 Result<Observation> Observer::observe_at_rest(const Target& target,
                                               std::span<const std::uint16_t> axes) {
   return links_.may_command() ? read_status(target, axes) : stream_.next_samples(target, axes);
@@ -97,7 +97,7 @@ Result<Observation> Observer::read_status(const Target& target,
       AxisSnapshot& sample = observation.axes.emplace_back();
       sample.id = {target.key.number, some[i]};
       sample.tick = reply.tick;
-      sample.has_owner = false;  // no object tells it
+      sample.has_owner = false;  // no object contains it
       for (std::size_t at = 0; at < std::min(reply.objects.size(), members.size()); ++at) {
         members[at].set(sample.status, reply.objects[at].value);
       }
@@ -117,7 +117,7 @@ Result<std::uint64_t> Observer::present_tick(const Target& target, Silence silen
   return discovery_.tick(target.key);
 }
 
-/// The engine answers a read between two ticks, with the last one.
+/// The bench answers a read between two ticks, with the last completed one.
 Result<std::uint64_t> Observer::completed_tick(const Target& target, std::uint16_t axis) {
   if (!links_.may_command()) return 0;
   const auto reply = exchange_.request(target, ask::read({ask::object(axis, kStatusword)}),

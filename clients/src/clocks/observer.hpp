@@ -13,8 +13,8 @@
 
 namespace vdrive::client {
 
-/// What axes show now and which tick it is, in whatever way the clock of their bench and the
-/// permissions of this session allow. Has no state. Thread-safe.
+/// Reads the present state and tick of axes, by the means that the clock of their bench and the
+/// permissions of this session allow. Stateless. Thread-safe.
 class Observer {
  public:
   Observer(const Discovery& discovery, BenchLinks& links, Exchange& exchange, BenchClocks& clocks,
@@ -23,28 +23,29 @@ class Observer {
   /// The present state of `axes`.
   Result<Observation> observe(const Target& target, std::span<const std::uint16_t> axes);
 
-  /// The same from the next sample of a feed, of a bench whose drive time is not lock-step.
+  /// As above, from the next sample of a feed; for a bench that is not in lock-step.
   Result<Observation> observe(const Target& target, std::span<const std::uint16_t> axes,
                               StatusFeed& feed);
 
   /// The newest tick of the bench.
   Result<std::uint64_t> present_tick(const Target& target, Silence silence = Silence::ends_call);
 
-  /// A tick that the bench has completed since the beginning of this call: what a sample of it or
-  /// of a later one shows is not older than the call. 0 for a session that may send no requests.
+  /// A tick that the bench has completed since this call began: a sample of it or of a later one is
+  /// not older than the call. 0 for a session that may not send requests.
   /// @param axis any axis of the bench
   Result<std::uint64_t> completed_tick(const Target& target, std::uint16_t axis);
 
-  /// @return the tick at which what is reported from now on begins: the newest tick received. A
-  ///         bench that may be far ahead of it is asked.
+  /// @return the tick from which reports begin: the newest tick received. A bench that may be far
+  ///         ahead of it is asked.
   std::uint64_t first_tick_of_stream(const Target& target, std::uint16_t axis);
 
-  /// Waits until the bench has reached `tick`, also by a jump of the number over it; in lock-step
-  /// steps to it. @return the tick reached.
+  /// Waits until the bench has reached `tick`, or has jumped over it; in lock-step, steps to it.
+  /// @return the tick reached.
   Result<std::uint64_t> wait_for_tick(const Target& target, std::uint64_t tick);
 
-  /// Waits until the bench has run that many ticks from now on, however far its number jumps; in
-  /// lock-step steps. @return the tick reached.
+  /// Waits until the bench has run that many ticks from now on, however far the tick number jumps;
+  /// in lock-step, steps.
+  /// @return the tick reached.
   Result<std::uint64_t> wait_for_ticks(const Target& target, std::uint64_t ticks);
 
  private:

@@ -16,18 +16,18 @@ namespace {
 using Clock = Discovery::Clock;
 using std::chrono::milliseconds;
 
-// What is not answered within this, while samples of the bench arrive, is sent again.
+// A message not answered within this time, while samples of the bench arrive, is sent again.
 constexpr milliseconds kRepeatAfter{1'000};
 
-// While a match is awaited the bench may change its participant: checked this often.
+// While waiting for a match, how often to check whether the bench has changed its participant.
 constexpr milliseconds kCheckSource{20};
 
-// A queue that is full has room again when its readers follow, or when one that is gone is dropped.
+// A full queue has room again when its readers catch up, or when a lost one is dropped.
 constexpr milliseconds kFullQueue{2'500};
 
 constexpr const char* kSessionEnded = "the session has ended: nothing was sent";
 
-/// @return nothing when the permissions of this participant do not name the topic.
+/// @return null if the permissions of this participant do not include the topic.
 template <typename Message>
 std::unique_ptr<wire::Publication<Message>> publication_if_permitted(
     wire::Participant& participant) {
@@ -66,7 +66,7 @@ BenchLinks::BenchLinks(wire::Participant& participant, std::uint64_t session, Di
             on_command_reply(message, source);
           }) {}
 
-// ---- what arrives ----------------------------------------------------------------------------
+// ---- receiving -------------------------------------------------------------------------------
 
 void BenchLinks::take_reply(std::span<const std::byte> sample) {
   if (received_.axes.capacity() == 0) {
@@ -92,7 +92,7 @@ void BenchLinks::on_command_reply(const msg::CommandReply& message, const wire::
   if (message.session != session_) return;
   const BenchKey key{message.bench, message.incarnation};
   discovery_.note_sender(key, source);
-  // First: the call that receives the answer has to find the loss of control that it may show.
+  // First: the call that receives the answer must find any loss of control that it reports.
   holdings_.note_answer(message);
   history_.note_answer(message);
   if (unanswered_.frames.answer({key, message.sequence_number}, message)) {
@@ -113,7 +113,7 @@ void BenchLinks::report_refusals(const msg::CommandReply& message) {
   const std::scoped_lock lock(refusal_mutex_);
   if (!refusal_observer_) return;
   for (const msg::Refusal& refusal : message.refusals) {
-    if (refusal.index == 0) continue;  // the whole command of an axis, or the whole frame
+    if (refusal.index == 0) continue;  // refers to an entire command or frame
     refusal_observer_({.axis = {.bench = message.bench, .axis = refusal.axis},
                        .object = {.index = refusal.index, .subindex = refusal.subindex},
                        .code = static_cast<AbortCode>(refusal.reason)});
@@ -128,7 +128,7 @@ Result<Target> BenchLinks::connect(std::uint32_t number) {
   const auto bench = discovery_.find_bench(number);
   if (!bench) return bench.outcome();
   const Target target = target_of(*bench);
-  if (!may_command()) return target;  // sees what is published
+  if (!may_command()) return target;  // can still read everything published
   if (const auto link = open(target, "requests"); !link) return link.outcome();
   return target;
 }
@@ -138,14 +138,14 @@ BenchLinks::Link& BenchLinks::link_of(const BenchKey& key) {
   return links_[key];
 }
 
-/// @return the participant that has what was sent to this run; none before the first match.
+/// @return the participant that has received our messages to this run; none before the first match.
 wire::Source BenchLinks::reached_source_of(const BenchKey& key) const {
   const std::scoped_lock lock(mutex_);
   const auto link = links_.find(key);
   return link == links_.end() ? wire::Source{} : link->second.source;
 }
 
-/// Both ends of all four queues: what is sent before that never arrives.
+/// Waits for both ends of all four queues: anything sent earlier would never arrive.
 bool BenchLinks::is_matched(const wire::Source& source, milliseconds patience) {
   return request_publication_->wait_for_match(source, patience) &&
          command_publication_->wait_for_match(source, patience) &&
@@ -159,7 +159,7 @@ Result<OpenLink> BenchLinks::open(const Target& target, std::string_view what,
   if (!may_command()) return not_permitted(target);
   OpenLink link{.key = target.key, .sending = std::unique_lock(link_of(target.key).mutex)};
   const auto deadline = Clock::now() + patience;
-  // In short waits: meanwhile the bench may end, or its wire may be replaced by another one.
+  // In short waits, because the bench may end or its wire may be replaced while we wait.
   while (!reconnect(target.key, kCheckSource)) {
     if (Outcome present = discovery_.check_presence(target); !present) return present;
     if (Clock::now() >= deadline) {
@@ -177,8 +177,9 @@ OpenLink BenchLinks::try_open(const BenchKey& key) {
   return link;
 }
 
-/// With the link's mutex, before anything is sent: when another participant sends for the run now,
-/// matches it and sends again what is not answered. @return whether the link is open.
+/// Called with the mutex of the link, before anything is sent: if another participant now sends for
+/// the run, matches it and sends all unanswered messages again.
+/// @return whether the link is open.
 bool BenchLinks::reconnect(const BenchKey& key, milliseconds patience) {
   const auto source = discovery_.source_of(key);
   if (!source || reached_source_of(key) == *source) return true;
@@ -190,12 +191,13 @@ bool BenchLinks::reconnect(const BenchKey& key, milliseconds patience) {
 
 // ---- sending ---------------------------------------------------------------------------------
 
-/// Sends again, in order and with their numbers, what was last sent before that time and is not
-/// answered. @return false when a queue is full.
+/// Sends the unanswered messages that were last sent before that time again, in order and with
+/// their numbers.
+/// @return false if a queue is full.
 bool BenchLinks::repeat(const BenchKey& key, Clock::time_point sent_before) {
   const std::vector<msg::CommandFrame> frames = unanswered_.frames.to_repeat(key, sent_before);
   const std::vector<msg::Request> requests = unanswered_.requests.to_repeat(key, sent_before);
-  // A step names the last frame before it, and waits for it: frames first.
+  // Frames first: a step names the last frame before it and waits for it.
   return std::ranges::all_of(frames,
                              [this](const msg::CommandFrame& frame) {
                                return command_publication_->write(frame);
@@ -205,7 +207,8 @@ bool BenchLinks::repeat(const BenchKey& key, Clock::time_point sent_before) {
          });
 }
 
-/// @return whether another participant sends for the run than the one that has what was sent.
+/// @return whether the participant that sends for the run is not the one that received our
+///         messages.
 bool BenchLinks::is_broken(const BenchKey& key) const {
   const wire::Source reached = reached_source_of(key);
   if (reached == wire::Source{}) return false;
@@ -214,7 +217,7 @@ bool BenchLinks::is_broken(const BenchKey& key) const {
 }
 
 bool BenchLinks::repair(const BenchKey& key) {
-  // A bench that is silent gets nothing again: its queues would fill with what it has already.
+  // Nothing is repeated to a silent bench: its queues would fill with messages that it already has.
   const bool was_broken = is_broken(key);
   const auto late = Clock::now() - kRepeatAfter;
   const bool is_overdue =
@@ -252,14 +255,14 @@ bool BenchLinks::send(const OpenLink& link, const msg::CommandFrame& frame) {
 
 bool BenchLinks::send_keep_alive(const BenchKey& key) {
   if (is_closed_) return true;
-  // Busy: a frame or a request is on its way, which shows the same.
+  // Busy: a frame or a request is being sent, which serves as a keep-alive.
   const auto sending = holdings_.try_lock_sending(key.number);
   if (!sending) return true;
   const OpenLink link = try_open(key);
   if (!link.sending) return true;
   if (!link.is_matched) return false;
   const auto frame = holdings_.next_keep_alive(key);
-  if (frame) (void)command_publication_->write(*frame);  // a refused one is replaced in 25 ms
+  if (frame) (void)command_publication_->write(*frame);  // if refused, the next follows in 25 ms
   return true;
 }
 

@@ -31,18 +31,19 @@
 
 namespace vdrive::client {
 
-/// How long a bench that sends and this session may take to match each other's readers and writers:
-/// milliseconds, and on a machine without a free processor seconds.
+/// Time allowed for a bench and this session to match each other's readers and writers: it takes
+/// milliseconds, or seconds on a machine without a free processor.
 inline constexpr std::chrono::milliseconds kMatch{10'000};
 
-/// Messages that were sent and are kept, by number, until their sender takes the answer. Only the
-/// sender of a message removes it. Thread-safe; its lock is never held while another one is taken.
+/// Sent messages, by number, kept until their sender takes the answer. Only the sender of a message
+/// removes it. Thread-safe; its lock is never held while another one is taken.
 template <typename Number, typename Message, typename Answer>
 class Unanswered {
  public:
   using Clock = Directory::Clock;
 
-  /// Keeps a message that is about to be sent. @return it; valid until it is taken.
+  /// Keeps a message that is about to be sent.
+  /// @return it; valid until take().
   const Message& add(const Number& number, const BenchKey& key, Message message) {
     const std::scoped_lock lock(mutex_);
     const auto added = sent_.emplace(number, Sent{.key = key,
@@ -52,7 +53,7 @@ class Unanswered {
     return added.first->second.message;
   }
 
-  /// @return whether the answer is awaited. A repeated answer replaces the one before.
+  /// @return whether the answer is awaited. A repeated answer replaces the previous one.
   bool answer(const Number& number, Answer answer) {
     const std::scoped_lock lock(mutex_);
     const auto sent = sent_.find(number);
@@ -67,7 +68,7 @@ class Unanswered {
     });
   }
 
-  /// @return whether there is an answer, of which `condition` holds.
+  /// @return whether there is an answer for which `condition` holds.
   template <typename Condition>
   [[nodiscard]] bool is_answered(const Number& number, const Condition& condition) const {
     const std::scoped_lock lock(mutex_);
@@ -75,13 +76,14 @@ class Unanswered {
     return answer && condition(*answer);
   }
 
-  /// @return the message that has this number; valid until it is taken.
+  /// @return the message with this number; valid until take().
   [[nodiscard]] const Message& message(const Number& number) const {
     const std::scoped_lock lock(mutex_);
     return sent_.at(number).message;
   }
 
-  /// Removes the message. @return its answer, if there is one.
+  /// Removes the message.
+  /// @return its answer, if there is one.
   std::optional<Answer> take(const Number& number) {
     const std::scoped_lock lock(mutex_);
     const auto sent = sent_.find(number);
@@ -90,8 +92,8 @@ class Unanswered {
     return answer;
   }
 
-  /// @return what was last sent to this run before `time` and has no answer, in order. It counts as
-  ///         sent now.
+  /// @return the unanswered messages that were last sent to this run before `time`, in order. They
+  ///         count as sent now.
   std::vector<Message> to_repeat(const BenchKey& key, Clock::time_point time) {
     const std::scoped_lock lock(mutex_);
     std::vector<Message> messages;
@@ -103,7 +105,7 @@ class Unanswered {
     return messages;
   }
 
-  /// @return whether something was last sent to this run before `time` and has no answer.
+  /// @return whether a message last sent to this run before `time` is unanswered.
   [[nodiscard]] bool has_due(const BenchKey& key, Clock::time_point time) const {
     const std::scoped_lock lock(mutex_);
     return std::ranges::any_of(sent_, [&](const auto& item) {
@@ -123,50 +125,52 @@ class Unanswered {
     return sent.key == key && !sent.answer && sent.time < time;
   }
 
-  mutable std::mutex mutex_;  ///< guards what was sent, but for the messages: those do not change
+  mutable std::mutex mutex_;  ///< guards the map; the messages in it do not change
   std::map<Number, Sent> sent_;
 };
 
-/// The answer to a request: the message, without statuses, and the axes that it shows.
+/// The answer to a request: the message, without statuses, and its axes.
 struct RequestAnswer : msg::Reply {
   std::vector<wire::ReceivedStatus> axes;
 };
 
-/// By number of the request: another run of the service may answer that it is another one.
+/// By number of the request, because another run of the service may answer, to say that it is
+/// another one.
 using UnansweredRequests = Unanswered<std::uint64_t, msg::Request, RequestAnswer>;
 
-/// A sequence number counts for one run.
+/// Sequence numbers are counted per run.
 using FrameNumber = std::pair<BenchKey, std::uint64_t>;
 using UnansweredFrames = Unanswered<FrameNumber, msg::CommandFrame, msg::CommandReply>;
 
-/// What was sent and not answered: requests and command frames.
+/// The requests and command frames that were sent and not answered.
 struct UnansweredMessages {
   UnansweredRequests requests;
   UnansweredFrames frames;
 };
 
-/// How long a wait may take; times when this program does not run do not count. An interrupt does
-/// not end the wait for the answer to a request: the interrupted call still has to clean up.
+/// How long a wait may take; times in which this program does not run do not count. An interrupt
+/// does not end the wait for the answer to a request, because the interrupted call must still clean
+/// up.
 struct Patience {
   std::chrono::milliseconds timeout;
   bool may_interrupt;
-  bool needs_drive_time = false;  ///< what is awaited never comes while the bench is paused
+  bool needs_drive_time = false;  ///< the awaited event never occurs while the bench is paused
   Silence silence = Silence::ends_call;
 };
 
-/// A service whose samples arrive answers within this time, or it never answers.
+/// A service whose samples arrive answers within this time or not at all.
 inline constexpr Patience kAnswer{std::chrono::milliseconds(10'000), false};
 
 /// The right to send to one run of a service: no other thread sends to it while this object lives.
 struct OpenLink {
   BenchKey key;
-  std::unique_lock<std::mutex> sending;  ///< no lock: another thread sends
-  bool is_matched = false;               ///< false: the bench is not reached yet
+  std::unique_lock<std::mutex> sending;  ///< no lock: another thread is sending
+  bool is_matched = false;               ///< false: the bench cannot be reached yet
 
   explicit operator bool() const noexcept { return sending.owns_lock() && is_matched; }
 };
 
-/// The links to benches. The network process of a service may restart: then a new participant sends
+/// The links to benches. The wire process of a service may restart: then a new participant sends
 /// for the same run, and messages in transit are lost. A service carries out each message once,
 /// however often it arrives, so after a reconnection every unanswered message is sent again.
 /// Thread-safe.
@@ -175,50 +179,52 @@ class BenchLinks {
   BenchLinks(wire::Participant& participant, std::uint64_t session, Discovery& discovery,
              Holdings& holdings, CommandHistory& history, Wakeup& wakeup, ObserverFailure& failure);
 
-  /// Whether this session's permissions let it send requests and commands to benches.
+  /// Whether the permissions of this session allow requests and commands to benches.
   [[nodiscard]] bool may_command() const noexcept {
     return request_publication_ != nullptr && command_publication_ != nullptr;
   }
 
-  /// Finds the bench and waits until it receives requests, if we may send any, and we its answers.
+  /// Finds the bench and waits until it can receive our requests (if we may send any) and we its
+  /// answers.
   Result<Target> connect(std::uint32_t number);
 
   /// Waits until no other thread sends to this run, then until its link is connected.
-  /// @param what is to be sent, for the message: "requests" or "commands"
-  /// @param patience wall time to wait for the match of a bench that is connected again
+  /// @param what will be sent, for the message: "requests" or "commands"
+  /// @param patience wall time to wait for the match with a bench that has reconnected
   Result<OpenLink> open(const Target& target, std::string_view what,
                         std::chrono::milliseconds patience = kMatch);
 
-  /// The session has ended: connect() and open() fail from now on.
+  /// Ends the links with the session: connect() and open() fail from now on.
   void close() noexcept { is_closed_ = true; }
 
-  /// Sends through an open link. @return false when the queue stays full, or no sample of the bench
-  /// arrives meanwhile.
+  /// Sends through an open link.
+  /// @return false if the queue stays full, or no sample of the bench arrives while waiting for
+  ///         room.
   bool send(const OpenLink& link, const msg::Request& request);
   bool send(const OpenLink& link, const msg::CommandFrame& frame);
 
   /// Sends a frame that needs no answer, without waiting for anything.
-  /// @return false when the bench is connected again and not reached yet.
+  /// @return false if the bench has reconnected and cannot be reached yet.
   bool send_keep_alive(const BenchKey& key);
 
-  /// Waits until `condition` holds, which something changes that the bench sends; it is called
-  /// after each change, without a lock. Meanwhile repairs the link to the bench, and ends the wait
-  /// when the bench will not send any more. The caller holds no lock of a state.
+  /// Waits until `condition` holds, which must depend on messages from the bench; it is called
+  /// after each change, without a lock. While waiting, repairs the link to the bench, and ends the
+  /// wait if the bench will not send any more. The caller must not hold the lock of a state.
   template <typename Condition>
   Outcome wait(const Target& target, const Patience& patience, const Condition& condition) {
     const auto begin = discovery_.running_time();
     while (true) {
-      // Before the condition: what changes after it ends the wait at once.
+      // Read before the condition is checked, so that a later change ends the wait immediately.
       const std::uint64_t changes = wakeup_.changes();
       if (condition()) return {};
-      // On the local bus most waits need no more: the answer comes with the work.
+      // On the local bus this is enough for most waits: the work produces the answer.
       if (wakeup_.work(changes, target.key.number) && condition()) return {};
       const auto now = Wakeup::Clock::now();
       const bool is_broken = repair(target.key);
-      // Again, before any reason to give up: the answer may have arrived during the repair.
+      // Once more, before any reason to give up: the answer may have arrived during the repair.
       if (condition()) return {};
       if (auto end = end_of_wait(target, patience, begin)) return std::move(*end);
-      // Each time again: a pause of this program moves it.
+      // Computed each time, because a pause of this program moves the deadline.
       const auto deadline = begin + patience.timeout + discovery_.own_pauses();
       if (Wakeup::Clock::now() >= deadline) {
         return Outcome::timed_out(name_of(target) + " did not answer");
@@ -228,31 +234,31 @@ class BenchLinks {
     }
   }
 
-  /// What was sent to benches and is not answered: it is sent again.
+  /// Messages sent to benches and not answered, which are repeated when necessary.
   [[nodiscard]] UnansweredMessages& unanswered() noexcept { return unanswered_; }
 
-  /// Calls `observer`, in the thread that delivers the answer of a bench, for each value of a frame
-  /// that no call waits for and that is refused. It only keeps what it gets, see RefusalWatcher.
-  /// @param observer an empty one ends the reports; it replaces the last
+  /// Calls `observer`, on the thread that delivers the answer of a bench, for each refused value of
+  /// a frame that no call waits for. It must only store the refusal, see RefusalWatcher.
+  /// @param observer an empty one ends the reports; it replaces the previous one
   void watch_refusals(std::function<void(const SetPointRefusal&)> observer);
 
-  /// Gives the axes of an answer back that was read: a next one takes their memory, which is
+  /// Returns the axes of an answer that has been read: a later answer reuses their memory, which is
   /// neither allocated nor cleared again.
   void reuse(std::vector<wire::ReceivedStatus> axes);
 
  private:
   /// The link to one run of a service.
   struct Link {
-    std::mutex mutex;     ///< orders what is sent; taken after Holdings::lock_sending
-    wire::Source source;  ///< participant that has what was sent; guarded by the mutex of the links
+    std::mutex mutex;     ///< puts messages in order; taken after Holdings::lock_sending
+    wire::Source source;  ///< participant that has our messages; guarded by the mutex of the links
   };
 
-  // A wait checks the presence of the bench at least this often; a broken link more often.
+  // How often, at least, a wait checks the presence of the bench; with a broken link, more often.
   static constexpr std::chrono::milliseconds kPeriod{50};
   static constexpr std::chrono::milliseconds kReconnectPeriod{5};
 
-  /// @return why a wait that began at the running time `begin` ends without what it waits for;
-  ///         nothing = it continues.
+  /// @return why a wait that began at the running time `begin` must end without success; nothing =
+  ///         it continues.
   [[nodiscard]] std::optional<Outcome> end_of_wait(const Target& target, const Patience& patience,
                                                    Wakeup::Clock::time_point begin) const {
     if (patience.may_interrupt && wakeup_.is_interrupted()) return Outcome::failed("interrupted");
@@ -265,9 +271,9 @@ class BenchLinks {
     return std::nullopt;
   }
 
-  /// For a call that waits for an answer: reconnects a broken link, and sends again what is
-  /// overdue. Does not wait: when another thread sends at this moment, that thread reconnects.
-  /// @return whether it was broken.
+  /// For a call that waits for an answer: reconnects a broken link, and repeats overdue messages.
+  /// Does not wait: if another thread is sending now, that thread reconnects.
+  /// @return whether the link was broken.
   bool repair(const BenchKey& key);
 
   void take_reply(std::span<const std::byte> sample);
@@ -296,13 +302,13 @@ class BenchLinks {
   Wakeup& wakeup_;
   ObserverFailure& failure_;
   mutable std::mutex mutex_;        ///< guards the map of links, their sources and `spare_`
-  std::map<BenchKey, Link> links_;  ///< stay where they are when one is added
+  std::map<BenchKey, Link> links_;  ///< a map: elements must not move on insertion
   std::vector<wire::ReceivedStatus> spare_;
   std::unique_ptr<wire::Publication<msg::Request>> request_publication_;  ///< none for a viewer
   std::unique_ptr<wire::Publication<msg::CommandFrame>> command_publication_;  ///< the same
-  RequestAnswer received_;    ///< the newest reply, of the thread that receives
-  bool is_received_ = false;  ///< it can be read
-  std::mutex refusal_mutex_;  ///< guards the observer, also while it is called
+  RequestAnswer received_;    ///< the newest reply; used by the receiving thread only
+  bool is_received_ = false;  ///< it could be decoded
+  std::mutex refusal_mutex_;  ///< guards the observer, also while it is being called
   std::function<void(const SetPointRefusal&)> refusal_observer_;
   std::unique_ptr<wire::SampleReader> reply_reader_;
   wire::Subscription<msg::CommandReply> command_reply_subscription_;

@@ -17,7 +17,7 @@ namespace {
 
 using namespace literals;
 
-// More than a program gives one axis before it waits for the first of them.
+// More commands than a program gives one axis before it waits for the first of them.
 constexpr std::size_t kMostOfAxis = 64;
 
 constexpr std::uint16_t kAllAxes = 0;
@@ -34,7 +34,7 @@ constexpr std::array kLeaving{CommandName{PowerCommand::disable_voltage, "disabl
                               CommandName{PowerCommand::shutdown, "shutdown"},
                               CommandName{PowerCommand::switch_on, "disable operation"}};
 
-/// @return the name of the command that leaves Operation enabled, empty = it does not.
+/// @return the name of the command if it leaves Operation enabled, otherwise empty.
 std::string_view leaving(std::uint16_t word) {
   const auto* const row =
       std::ranges::find(kLeaving, decode_command(word, 0), &CommandName::command);
@@ -45,12 +45,13 @@ bool ends_something(std::uint16_t word) {
   return (word & Controlword::kNewSetPoint) != 0 || !leaving(word).empty();
 }
 
-/// @return whether the mode takes bit 4 of 6040h as the start of something.
+/// @return whether bit 4 of 6040h starts an action in the mode.
 bool has_start_bit(OperatingMode mode) {
   return mode == OperatingMode::profile_position || mode == OperatingMode::homing;
 }
 
-/// @return the object that the mode follows as it is written, and whose value a call waits for.
+/// @return the object that the mode follows as soon as it is written, and whose value a call waits
+///         for.
 std::optional<ObjectAddress> written_target(OperatingMode mode) {
   switch (mode) {
     case OperatingMode::velocity:
@@ -114,13 +115,13 @@ CommandHistory::Entry CommandHistory::entry_of(const msg::ObjectAccess& access) 
   return entry;
 }
 
-/// With the mutex. Another run of the service starts from nothing.
+/// Called with the mutex held. Another run of the service starts with an empty history.
 void CommandHistory::add(const BenchKey& key, std::uint16_t axis, Entry entry) {
   OfBench& bench = benches_[key.number];
   if (bench.incarnation != key.incarnation) bench = {.incarnation = key.incarnation, .axes = {}};
   Entries& entries = bench.axes[axis];
   if (entries.size() == kMostOfAxis) {
-    // Of a stream of targets the newest say enough.
+    // Of a stream of targets, the newest ones are enough.
     const auto oldest = std::ranges::find_if(entries, [](const Entry& each) {
       return !each.written.empty() && !each.mode && !each.controlword;
     });
@@ -131,7 +132,7 @@ void CommandHistory::add(const BenchKey& key, std::uint16_t axis, Entry entry) {
 
 void CommandHistory::note_frame(const BenchKey& key, const msg::CommandFrame& frame) {
   for (const msg::AxisCommand& command : frame.axes) {
-    if (!ends_motion(command)) continue;  // as nearly every one of a stream
+    if (!ends_motion(command)) continue;  // like nearly all commands of a stream
     Entry entry = entry_of(command);
     entry.after = frame.sequence_number - 1;
     entry.is_whole = (frame.flags & msg::FRAME_ALL_OR_NOTHING) != 0;
@@ -140,7 +141,7 @@ void CommandHistory::note_frame(const BenchKey& key, const msg::CommandFrame& fr
   }
 }
 
-/// What the drive did not take of a frame that is not carried out whole.
+/// Removes the parts of a partially executed frame that the drive did not take.
 void CommandHistory::take_back(Entry& entry, std::uint16_t axis, const msg::CommandReply& reply) {
   constexpr ObjectAddress kMode = kObjectRows["op_mode_cmd"_object].address;
   constexpr ObjectAddress kControlword = kObjectRows["ds402_controlword"_object].address;
@@ -155,8 +156,7 @@ void CommandHistory::take_back(Entry& entry, std::uint16_t axis, const msg::Comm
   }
 }
 
-/// Of a frame that is not carried out whole the rest counts, such as a mode whose set-point was
-/// ignored.
+/// Of a partially executed frame the rest still counts, such as a mode whose set-point was ignored.
 void CommandHistory::forget_refused(Entries& entries, std::uint16_t axis,
                                     const msg::CommandReply& reply) {
   const auto entry = std::ranges::find_if(entries, [&reply](const Entry& each) {
@@ -180,7 +180,7 @@ void CommandHistory::note_answer(const msg::CommandReply& reply) {
   for (auto& [axis, entries] : bench->second.axes) forget_refused(entries, axis, reply);
 }
 
-/// With the mutex.
+/// Called with the mutex held.
 void CommandHistory::note_writes(const BenchKey& key, const msg::Request& request,
                                  const msg::Reply& reply, std::uint64_t last_sequence) {
   const std::size_t count = std::min(request.objects.size(), reply.objects.size());
@@ -219,7 +219,7 @@ void CommandHistory::note_gained(const BenchKey& key, std::span<const std::uint1
                                  std::uint64_t last_sequence) {
   const std::scoped_lock lock(mutex_);
   for (const std::uint16_t axis : axes) {
-    // In force already: whatever this session gave the axis before is older.
+    // Already in force: anything that this session gave the axis before is older.
     add(key, axis, {.after = last_sequence, .tick = 1, .what = "a new acquisition of the axis"});
   }
 }

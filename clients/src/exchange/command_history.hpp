@@ -18,38 +18,38 @@
 
 namespace vdrive::client {
 
-/// The command that a call has given to an axis: what later ones are compared with.
+/// The command that a call has given to an axis; later commands are compared with it.
 struct GivenCommand {
   std::uint64_t sequence = 0;                ///< of its frame, 0 = none was sent
-  OperatingMode mode = OperatingMode::none;  ///< that it acts in
+  OperatingMode mode = OperatingMode::none;  ///< the mode in which it acts
 };
 
-/// @return whether the command sets a mode, hands over a set-point or leaves Operation enabled: it
-///         ends what the axis did before.
+/// @return whether the command sets a mode, hands over a set-point or leaves Operation enabled, and
+///         so ends the previous motion.
 [[nodiscard]] bool ends_motion(const msg::AxisCommand& command) noexcept;
 
-/// The last commands of this session to each axis that end what the axis did before, whichever
-/// thread gave them. Commands of other sessions show in the owner of the axis. Thread-safe; sends
+/// The last commands of this session to each axis that end its previous motion, whichever thread
+/// gave them. Commands of other sessions are visible in the owner of the axis. Thread-safe; sends
 /// nothing.
 class CommandHistory {
  public:
-  /// A frame is about to be sent.
+  /// Records a frame that is about to be sent.
   void note_frame(const BenchKey& key, const msg::CommandFrame& frame);
 
-  /// Forgets what a bench has refused of a frame, and set-points that an axis ignored.
+  /// Removes the parts of a frame that a bench has refused, and set-points that an axis ignored.
   void note_answer(const msg::CommandReply& reply);
 
-  /// A request of this session was carried out.
+  /// Records a request of this session that was carried out.
   /// @param last_sequence number of the last frame before it
   void note_request(const BenchKey& key, const msg::Request& request, const msg::Reply& reply,
                     std::uint64_t last_sequence);
 
-  /// This session has these axes only now, or again.
+  /// Records that this session has acquired these axes, possibly again.
   void note_gained(const BenchKey& key, std::span<const std::uint16_t> axes,
                    std::uint64_t last_sequence);
 
-  /// @param seen the axis in or after the tick in which the command was in force
-  /// @return what has ended `given`, such as "homing mode (6060h = 6)"; nothing when nothing has.
+  /// @param seen the axis in the tick in which the command took effect, or later
+  /// @return what ended `given`, such as "homing mode (6060h = 6)"; nothing if nothing did.
   [[nodiscard]] std::optional<std::string> find_end(const BenchKey& key, const GivenCommand& given,
                                                     const AxisSnapshot& seen) const;
 
@@ -57,13 +57,13 @@ class CommandHistory {
   /// One command to one axis.
   struct Entry {
     std::uint64_t after = 0;  ///< number of the last frame before it
-    std::uint64_t tick = 0;   ///< of a request: in which it is in force; 0 = it is a frame
-    bool is_whole = false;    ///< its frame is carried out whole or not at all
+    std::uint64_t tick = 0;   ///< of a request: in which it took effect; 0 = this is a frame
+    bool is_whole = false;    ///< its frame is carried out completely or not at all
     std::optional<OperatingMode> mode{};         ///< 6060h
-    std::optional<std::uint16_t> controlword{};  ///< 6040h, where it ends something
-    std::optional<std::int32_t> target{};        ///< 607Ah, handed over with it
+    std::optional<std::uint16_t> controlword{};  ///< 6040h, if it ends a motion
+    std::optional<std::int32_t> target{};        ///< 607Ah, handed over with the controlword
     std::vector<ObjectAddress> written{};        ///< set-points of modes without a handshake
-    std::string_view what{};                     ///< something else
+    std::string_view what{};                     ///< any other command
   };
 
   using Entries = std::deque<Entry>;
@@ -84,7 +84,7 @@ class CommandHistory {
   static void forget_refused(Entries& entries, std::uint16_t axis, const msg::CommandReply& reply);
   void add(const BenchKey& key, std::uint16_t axis, Entry entry);
 
-  mutable std::mutex mutex_;  ///< guards what follows
+  mutable std::mutex mutex_;  ///< guards the members below
   std::map<std::uint32_t, OfBench> benches_;
 };
 

@@ -23,17 +23,17 @@ namespace {
 
 using std::chrono::milliseconds;
 
-// A small part of the usual time of the watchdog: several keep-alives may be lost or late.
+// A small fraction of the usual watchdog time: several keep-alives may be lost or late.
 constexpr milliseconds kKeepAlivePeriod{25};
 
-// While a bench connects again its watchdog runs.
+// While a bench reconnects, its watchdog is running.
 constexpr milliseconds kRetry{5};
 
-// Where the system forbids a real-time policy: still before programs that compute.
+// If the system forbids a real-time policy: still ahead of programs that compute.
 constexpr int kNice = -10;
 
-/// On a busy machine this thread has to run before those that compute. Where the system permits
-/// neither it stays as it is.
+/// On a busy machine this thread must run before those that compute. If the system permits neither,
+/// the priority stays unchanged.
 void raise_priority() {
   const sched_param lowest{.sched_priority = 1};
   if (sched_setscheduler(0, SCHED_RR | SCHED_RESET_ON_FORK, &lowest) == 0) return;
@@ -42,7 +42,7 @@ void raise_priority() {
 
 using namespace literals;
 
-// For the end of a session: the service may be gone already.
+// At the end of a session: the service may be gone already.
 constexpr milliseconds kReleaseAnswer{500};
 
 constexpr ObjectAddress kControlword = kObjectRows["ds402_controlword"_object].address;
@@ -63,12 +63,12 @@ Control::~Control() {
 }
 
 void Control::end() {
-  // First: a keep-alive behind the release would speak for an epoch that is not current any more.
+  // First: a keep-alive sent after the release would carry an outdated epoch.
   keep_alive_thread_.stop();
-  (void)release();  // no caller is left to receive the outcome
+  (void)release();  // there is no caller to receive the outcome
 }
 
-/// With lock_sending of its bench.
+/// Called with lock_sending of its bench.
 Result<RequestAnswer> Control::carry_out(const Target& target, msg::Request request,
                                          std::string_view what) {
   const msg::Request sent = request;
@@ -107,7 +107,7 @@ Outcome Control::acquire(const Target& target, std::span<const std::uint16_t> ax
                                 return holds(target, {&axis, 1});
                               });
   if (held.empty() || others.empty()) return acquire_part(target, axes, by_force);
-  // Apart, and first: the new epoch that comes with the others says nothing about them.
+  // Separately and first: the new epoch that comes with the others says nothing about these.
   if (Outcome kept = acquire_part(target, held, by_force); !kept) return kept;
   return acquire_part(target, others, by_force);
 }
@@ -120,7 +120,8 @@ Outcome Control::acquire_part(const Target& target, std::span<const std::uint16_
   const std::string what =
       "control of " + (axes.size() == 1 ? name_of(target, axes.front()) : name_of(target));
   {
-    // Until the new epoch is noted: a frame of another thread with the old one would be refused.
+    // Held until the new epoch is recorded: a frame of another thread with the old one would be
+    // refused.
     const auto sending = holdings_.lock_sending(target.key.number);
     const auto reply = exchange_.request(target, std::move(request), what);
     if (!reply) return reply.outcome();
@@ -135,7 +136,7 @@ Result<RequestAnswer> Control::write(const Target& target, msg::Request request,
   const bool commands = std::ranges::any_of(request.objects, [](const msg::ObjectAccess& access) {
     return has_role({access.index, access.subindex}, Role::command);
   });
-  // A store waits for a disk: it must not hold up the keep-alives.
+  // Storing waits for a disk and must not delay the keep-alives.
   if (!commands) return exchange_.request(target, std::move(request), what);
   const std::uint16_t axis = request.objects.front().axis;
   auto sending = holdings_.lock_sending(target.key.number);
@@ -175,7 +176,7 @@ Result<std::uint64_t> Control::stop(const Target& target, std::span<const std::u
                                 "stop of " + name_of(target, result.axis) + " refused");
       }
     }
-    // The halt of an axis that has become free takes it.
+    // Halting a free axis acquires it.
     if ((word & Controlword::kHalt) != 0) note_acquired(target, axes, reply);
   }
   return tick;
@@ -196,10 +197,10 @@ Outcome Control::release(std::uint32_t bench) {
 
 Outcome Control::release(const GivenBack& given) {
   const Target target{.key = given.key};
-  if (given.kept.empty()) {  // a request without axes names all
+  if (given.kept.empty()) {  // a request without axes means all axes
     return release(target, std::array<std::vector<std::uint16_t>, 1>{});
   }
-  // One by one: a request that names an axis that is not held any more releases none.
+  // One by one: a request that names an axis no longer held releases none.
   std::vector<std::vector<std::uint16_t>> parts;
   for (const std::uint16_t axis : given.axes) parts.push_back({axis});
   if (Outcome released = release(target, parts); !released) return released;
@@ -210,7 +211,7 @@ Outcome Control::release(const GivenBack& given) {
                          "this session is silent");
 }
 
-/// Also after an interrupt, and to a service that may be gone: with a patience of its own.
+/// Also works after an interrupt, and for a service that may be gone: it uses its own patience.
 Outcome Control::release(const Target& target, std::span<const std::vector<std::uint16_t>> parts) {
   const auto sending = holdings_.lock_sending(target.key.number);
   std::vector<std::uint64_t> sent;
@@ -228,13 +229,13 @@ Outcome Control::release(const Target& target, std::span<const std::vector<std::
     const auto answered = exchange_.await(target, number, patience);
     if (!answered && result) result = answered.outcome();
   }
-  // Whatever the reason: whether the axes are free is not known.
+  // For any reason: it is unknown whether the axes are free.
   if (result || result.kind() == OutcomeKind::lost) return result;
   return Outcome::lost(result.message());
 }
 
-/// To the benches that take axes away from a silent session. The first axis that is taken starts
-/// the thread: a session that only looks has none.
+/// Starts keep-alives to the benches that take axes away from a silent session. The first acquired
+/// axis starts the thread: a session that only observes has none.
 void Control::start_keep_alive() {
   std::call_once(keeps_alive_, [this] {
     keep_alive_thread_.start([this, is_raised = false]() mutable {
@@ -244,7 +245,7 @@ void Control::start_keep_alive() {
   });
 }
 
-/// @return wall time until the next ones.
+/// @return wall time until the next keep-alives.
 milliseconds Control::send_keep_alive() {
   bool are_all_reached = true;
   for (const BenchKey& key : holdings_.to_keep_alive()) {

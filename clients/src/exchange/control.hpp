@@ -20,7 +20,7 @@
 
 namespace vdrive::client {
 
-/// Takes control of axes, keeps it and gives it back. Thread-safe.
+/// Acquires axes, keeps them and releases them. Thread-safe.
 class Control {
  public:
   Control(KeepAlive keep_alive, Exchange& exchange, Holdings& holdings, CommandHistory& history,
@@ -30,34 +30,34 @@ class Control {
   Control(const Control&) = delete;
   Control& operator=(const Control&) = delete;
 
-  /// Takes these axes, all or none.
+  /// Acquires these axes, all or none.
   /// @param by_force also from other sessions
   Outcome acquire(const Target& target, std::span<const std::uint16_t> axes, bool by_force = false);
 
-  /// @return whether this session took all of these and has not received the loss of them.
+  /// @return whether this session has acquired all of these and has received no loss of them.
   [[nodiscard]] bool holds(const Target& target, std::span<const std::uint16_t> axes);
 
-  /// A request whose answer frames have to wait for, such as a power cycle: none is sent to the
-  /// bench until it is answered.
+  /// Sends a request that must be answered before further frames, such as a power cycle: nothing
+  /// else is sent to the bench until then.
   Result<RequestAnswer> exchange(const Target& target, msg::Request request, std::string_view what);
 
-  /// Writes objects of one axis, which takes the axis when one of them is a command object.
+  /// Writes objects of one axis; if one is a command object, this acquires the axis.
   Result<RequestAnswer> write(const Target& target, msg::Request request, std::string_view what);
 
   /// Writes `word`, a halt or a quick stop, to axes of any owner.
-  /// @return the tick in which it is in force; refused, naming the first axis that refused it.
+  /// @return the tick in which it takes effect; refused, naming the first axis that refused it.
   Result<std::uint64_t> stop(const Target& target, std::span<const std::uint16_t> axes,
                              std::uint16_t word);
 
-  /// Gives all axes back, but those that run and were not seen to stop: they stay with this session
-  /// until the watchdog of their bench stops them.
-  /// @return failed, naming them, when there are some
+  /// Releases all axes except those that are running and were not seen to stop: these stay with
+  /// this session until the watchdog of their bench stops them.
+  /// @return failed, naming them, if there are any
   Outcome release();
 
-  /// The same of one bench.
+  /// As release(), for one bench.
   Outcome release(std::uint32_t bench);
 
-  /// Ends the keep-alives and gives all axes back: the session takes none any more.
+  /// Ends the keep-alives and releases all axes: the session acquires none after this.
   void end();
 
  private:

@@ -27,7 +27,7 @@ Result<std::uint64_t> Exchange::send(const Target& target, msg::Request request,
   request.bench = target.key.number;
   request.incarnation = target.key.incarnation;
   request.session = session_;
-  // Kept before it is sent: the reply may arrive first.
+  // Stored before it is sent: the reply may arrive first.
   const msg::Request& kept = unanswered_requests().add(number, target.key, std::move(request));
   if (links_.send(*link, kept)) return number;
   (void)unanswered_requests().take(number);
@@ -105,7 +105,7 @@ Outcome Exchange::send_one(SentFrames& sent, const FrameContent& content) {
   msg::CommandFrame frame = next_frame(target, content);
   const std::uint64_t sequence = frame.sequence_number;
   frame.flags = content.flags | msg::FRAME_WANT_REPLY;
-  // Kept before it is sent: the answer may arrive first.
+  // Stored before it is sent: the answer may arrive first.
   const msg::CommandFrame& kept =
       unanswered_frames().add({target.key, sequence}, target.key, std::move(frame));
   sent.sequences.push_back(sequence);

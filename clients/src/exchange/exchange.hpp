@@ -20,7 +20,7 @@ namespace vdrive::client {
 
 class Exchange;
 
-/// Requests that were sent to one bench together. What nobody awaits is forgotten.
+/// Requests sent to one bench together. Requests that are not awaited are dropped.
 class SentRequests {
  public:
   SentRequests(Exchange& exchange, const Target& target) : exchange_(&exchange), target_(target) {}
@@ -43,11 +43,11 @@ class SentRequests {
   Outcome sending_;
 };
 
-/// What one command frame carries.
+/// The contents of one command frame.
 struct FrameContent {
   std::vector<msg::AxisCommand> commands;
   std::uint64_t apply_at_tick = 0;     ///< 0 = the next; a frame that misses its tick is refused
-  std::uint32_t flags = 0;             ///< FRAME_..., in addition to the wish for a reply
+  std::uint32_t flags = 0;             ///< FRAME_..., in addition to the request for a reply
   std::vector<std::uint16_t> moved{};  ///< axes that run from then on: see Holdings
 };
 
@@ -57,14 +57,14 @@ struct SentFrames {
   std::vector<std::uint64_t> sequences;
 };
 
-/// What became of command frames.
+/// The result of command frames.
 struct Applied {
   Outcome outcome;         ///< the first refusal, if any
-  std::uint64_t tick = 0;  ///< in which the last accepted one is in force; 0 = none was
-  std::vector<std::uint16_t> ignored_set_points;  ///< axes that did not take theirs
+  std::uint64_t tick = 0;  ///< in which the last accepted one takes effect; 0 = none was accepted
+  std::vector<std::uint16_t> ignored_set_points;  ///< axes that ignored theirs
 };
 
-/// Sends requests and command frames to benches, and awaits their answers. Thread-safe.
+/// Sends requests and command frames to benches, and waits for their answers. Thread-safe.
 class Exchange {
  public:
   Exchange(std::uint64_t session, BenchLinks& links, Holdings& holdings, CommandHistory& history)
@@ -72,36 +72,39 @@ class Exchange {
 
   // ---- requests
 
-  /// Sends a request and awaits its reply. Fills in sender and receiver.
+  /// Sends a request and waits for its reply. Fills in sender and receiver.
   /// @param what names the request in messages, such as "read of axis 1.1"
   Result<RequestAnswer> request(const Target& target, msg::Request message, std::string_view what,
                                 Silence silence = Silence::ends_call);
 
-  /// Sends several at once, up to the first that cannot be sent.
+  /// Sends several requests, stopping at the first that cannot be sent.
   SentRequests send_all(const Target& target, std::vector<msg::Request> requests);
 
-  /// Sends a request. @return its number, for await().
-  /// @param patience wall time to wait for the match of a bench that is connected again
+  /// Sends a request.
+  /// @param patience wall time to wait for the match with a bench that has reconnected
+  /// @return its number, for await().
   Result<std::uint64_t> send(const Target& target, msg::Request request,
                              std::chrono::milliseconds patience = kMatch);
 
-  /// Awaits the reply to a request, also a refusal.
+  /// Waits for the reply to a request, which may be a refusal.
   Result<RequestAnswer> await(const Target& target, std::uint64_t number, const Patience& patience);
 
-  /// The axes that an answer shows were read: a next answer takes their memory.
+  /// Call this after reading the axes of an answer: a later answer reuses their memory.
   void reuse(RequestAnswer& answer) { links_.reuse(std::move(answer.axes)); }
 
   // ---- command frames
 
-  /// Sends frames in order, with no frame of another thread between them, and adds each to what was
-  /// sent, also before a failure.
+  /// Sends frames in order, without a frame of another thread in between, and appends each to
+  /// `sent`, also before a failure.
   Outcome send(SentFrames& sent, std::span<const FrameContent> frames);
 
-  /// Sends frames without waiting. Only a refused frame is answered; no call waits for this answer.
+  /// Sends frames without waiting. Only a refused frame is answered, and no call waits for that
+  /// answer.
   Outcome send_unawaited(const Target& target, std::span<const FrameContent> frames);
 
-  /// Waits for the answers to these frames. A frame that waits for its tick is answered then.
-  /// @param outcome of the sending; when it failed nothing is waited for
+  /// Waits for the answers to these frames. A frame that waits for its tick is answered in that
+  /// tick.
+  /// @param outcome of the sending; if it failed, nothing is waited for
   Applied collect(const SentFrames& sent, Outcome outcome);
 
   /// Waits until all of these are answered, or one of them is refused.

@@ -21,7 +21,7 @@ std::unique_lock<std::mutex> Holdings::try_lock_sending(std::uint32_t bench) {
   return {send_mutex_of(bench), std::try_to_lock};
 }
 
-/// With the mutex. Another run of the service starts from nothing.
+/// Called with the mutex held. Another run of the service starts empty.
 Holdings::Holding& Holdings::holding(const BenchKey& key) {
   Holding& holding = holdings_[key.number];
   if (holding.key != key) {
@@ -83,7 +83,7 @@ void Holdings::forget_running(const BenchKey& key, std::span<const std::uint16_t
 }
 
 void Holdings::note_seen(const BenchKey& key, std::span<const AxisSnapshot> axes) {
-  // In the tick of the command an axis may still show the rest of the mode before.
+  // In the tick of the command an axis may still show the standstill of the previous mode.
   constexpr std::uint64_t kModeChange = 1;
   const std::scoped_lock lock(mutex_);
   const auto held = holdings_.find(key.number);
@@ -99,8 +99,8 @@ void Holdings::note_seen(const BenchKey& key, std::span<const AxisSnapshot> axes
   }
 }
 
-/// With the mutex. What is kept is left to the watchdog of the bench, which acts when this session
-/// is silent.
+/// Called with the mutex held. Axes that are kept are left to the watchdog of the bench, which acts
+/// when this session falls silent.
 std::optional<GivenBack> Holdings::give_back(Holding& held) {
   if (held.axes.empty()) return std::nullopt;
   GivenBack given{.key = held.key, .axes = {}, .kept = {}};

@@ -15,88 +15,90 @@
 
 namespace vdrive::client {
 
-/// What a session gives back of one run of a service.
+/// The axes that a session releases in one run of a service.
 struct GivenBack {
   BenchKey key;
   std::vector<std::uint16_t> axes;
-  std::vector<std::uint16_t> kept;  ///< they run and were not seen to stop
+  std::vector<std::uint16_t> kept;  ///< running and not seen to stop
 };
 
-/// Which axes this session holds, and the epoch and the sequence number of its next command frame
-/// to each bench. Thread-safe; sends nothing.
+/// The axes that this session holds, and for each bench the epoch and the sequence number of its
+/// next command frame. Thread-safe; sends nothing.
 ///
-/// An axis that a call has set into a motion without an end (a velocity, a torque, a stream) is
-/// running until it was seen to rest, or until the program was told that it runs on. A running axis
-/// is not given back: free and running, no watchdog would ever stop it.
+/// An axis that a call has set into a motion without an end (a velocity, a torque, a stream) counts
+/// as running until it was seen at rest, or until the program was told that it runs on. A running
+/// axis is not released: no watchdog would ever stop a free axis.
 class Holdings {
  public:
   explicit Holdings(std::uint64_t session) : session_(session) {}
 
-  /// Locks the order of what is sent to a bench: one sender at a time numbers and sends its frames,
-  /// and no frame is sent during a request that may change the epoch. A bench that does not answer
+  /// Puts the messages to a bench in order: one sender at a time numbers and sends its frames, and
+  /// no frame is sent during a request that may change the epoch. A bench that does not answer
   /// delays no frame to another.
   ///
-  /// Order of locks in a session: this one, the link to the bench (BenchLinks::open), the lock of
-  /// one state. The lock of a state is held for a few instructions and inside of it no other is
-  /// taken.
+  /// Lock order in a session: this one, the link to the bench (BenchLinks::open), the lock of one
+  /// state. The lock of a state is held for a few instructions, and no other lock is taken under
+  /// it.
   [[nodiscard]] std::unique_lock<std::mutex> lock_sending(std::uint32_t bench);
 
-  /// The same without waiting. @return no lock when another thread sends.
+  /// As lock_sending(), without waiting.
+  /// @return no lock if another thread is sending.
   [[nodiscard]] std::unique_lock<std::mutex> try_lock_sending(std::uint32_t bench);
 
-  /// The bench answered that these axes are held in `epoch`.
-  /// @param lives_by_wall_clock whether it takes them away from a session that is silent
-  /// @return whether the epoch is a new one: the session has gained an axis, or lost another one.
+  /// Records the answer of a bench that these axes are held in `epoch`.
+  /// @param lives_by_wall_clock whether it takes them away from a silent session
+  /// @return whether the epoch is new: the session has gained an axis, or lost another one.
   bool note_acquired(const BenchKey& key, std::span<const std::uint16_t> axes, std::uint32_t epoch,
                      bool lives_by_wall_clock);
 
-  /// A frame of the present epoch that is refused as a whole shows that control is lost.
+  /// Evaluates an answer: a completely refused frame of the present epoch shows that control is
+  /// lost.
   void note_answer(const msg::CommandReply& reply);
 
-  /// @return whether this session took all of these and has not received the loss of them.
+  /// @return whether this session has acquired all of these and has received no loss of them.
   [[nodiscard]] bool holds(const BenchKey& key, std::span<const std::uint16_t> axes);
 
-  /// A frame that is about to be sent sets these axes into motion. A rest counts when it is seen
-  /// after the frame was applied.
+  /// Records that a frame about to be sent sets these axes in motion. Standstill counts only if it
+  /// is seen after the frame was applied.
   void note_running(const BenchKey& key, std::span<const std::uint16_t> axes,
                     std::uint64_t sequence);
 
   [[nodiscard]] bool is_running(const BenchKey& key, std::uint16_t axis);
 
-  /// These axes are not running, or the program that let them run knows that they run on.
+  /// Records that these axes are not running, or that the program knows that they run on.
   void forget_running(const BenchKey& key, std::span<const std::uint16_t> axes);
 
-  /// What axes of this run show: those that rest, and those that another session has taken, are not
-  /// running any more.
+  /// Records the state of axes of this run: those at rest, and those taken by another session, are
+  /// no longer running.
   void note_seen(const BenchKey& key, std::span<const AxisSnapshot> axes);
 
-  /// @return by run what this session gives back. From now on it sends no keep-alive to them, and
-  ///         no call of it relies on an axis that it kept.
+  /// @return the axes that this session releases, by run. From now on it sends them no keep-alives,
+  ///         and none of its calls relies on an axis that it kept.
   [[nodiscard]] std::vector<GivenBack> drop_all();
 
-  /// @return the same of one bench; nothing when this session holds no axis of it.
+  /// @return as drop_all(), for one bench; nothing if this session holds none of its axes.
   [[nodiscard]] std::optional<GivenBack> drop(std::uint32_t bench);
 
-  /// @return the runs that need a keep-alive.
+  /// @return the runs that need keep-alives.
   [[nodiscard]] std::vector<BenchKey> to_keep_alive() const;
 
-  /// @return an empty frame with the next sequence number. With lock_sending of its bench.
+  /// @return an empty frame with the next sequence number. Called with lock_sending of its bench.
   [[nodiscard]] msg::CommandFrame next_frame(const BenchKey& key);
 
-  /// @return the same; nothing when this session holds axes in another run of the service by now.
+  /// @return as next_frame(); nothing if this session now holds axes in another run of the service.
   [[nodiscard]] std::optional<msg::CommandFrame> next_keep_alive(const BenchKey& key);
 
   /// @return the number of the last frame, 0 = none.
   [[nodiscard]] std::uint64_t last_sequence(const BenchKey& key);
 
  private:
-  /// The last frame that set an axis into motion, and the tick in which it was applied.
+  /// The last frame that set an axis in motion, and the tick in which it was applied.
   struct Running {
     std::uint64_t sequence = 0;
     std::optional<std::uint64_t> since{};
   };
 
-  /// What this session has from one run of a service.
+  /// The holdings of this session in one run of a service.
   struct Holding {
     BenchKey key;
     bool lives_by_wall_clock = false;
@@ -113,9 +115,10 @@ class Holdings {
   static std::optional<GivenBack> give_back(Holding& held);
 
   const std::uint64_t session_;
-  mutable std::mutex mutex_;  ///< guards what follows
+  mutable std::mutex mutex_;  ///< guards the members below
   std::map<std::uint32_t, Holding> holdings_;
-  std::map<std::uint32_t, std::mutex> send_mutexes_;  ///< stay where they are when one is added
+  std::map<std::uint32_t, std::mutex>
+      send_mutexes_;  ///< a map: elements must not move on insertion
 };
 
 }  // namespace vdrive::client

@@ -15,12 +15,12 @@
 namespace vdrive::client {
 namespace {
 
-// As many as a service keeps for one bench; others come from none.
+// As many as a service keeps for one bench; higher numbers are invalid.
 constexpr auto kPlacesOfBench = static_cast<std::uint16_t>(wire::kSessionsOfBench);
 constexpr auto kMostKnown = static_cast<std::size_t>(wire::kSessionsInDomain);
-// A session that is unknown stays unknown for its asker: so many are remembered.
+// Most sessions remembered as asked for, so that later calls do not wait for an unknown name again.
 constexpr std::size_t kMostAsked = 1'024;
-// A search for a name that has not come yet looks at the bench at least this often.
+// How often, at least, a search for a name that has not arrived checks the bench.
 constexpr std::chrono::milliseconds kLookPeriod{20};
 
 std::string host_name() {
@@ -50,11 +50,11 @@ SessionNames::SessionNames(wire::Participant& participant, std::uint64_t session
       discovery_(discovery),
       wakeup_(wakeup) {}
 
-// ---- what it says ------------------------------------------------------------------------------
+// ---- sending own name --------------------------------------------------------------------------
 
 void SessionNames::introduce(std::uint32_t bench) {
   const std::scoped_lock lock(saying_);
-  // Also where it cannot be said: control of the axes does not depend on it.
+  // Marked as done even if sending fails: control of the axes does not depend on it.
   if (!introduced_.insert(bench).second) return;
   try {
     if (!publication_) {
@@ -89,7 +89,7 @@ void SessionNames::finish() {
   if (!wakeup_.is_interrupted()) (void)publication_->wait_for_acknowledged(left());
 }
 
-// ---- what it learns ----------------------------------------------------------------------------
+// ---- receiving names ---------------------------------------------------------------------------
 
 void SessionNames::listen() {
   const std::scoped_lock lock(listening_);
@@ -100,7 +100,7 @@ void SessionNames::listen() {
         participant_, [this](const msg::BenchSession& message, const wire::Source& /*source*/) {
           on_name(message);
         });
-  } catch (const wire::NetworkError&) {  // no permission: nothing will come
+  } catch (const wire::NetworkError&) {  // no permission: nothing will arrive
     listens_since_ -= kMatchWait;
   }
 }
@@ -165,7 +165,7 @@ std::optional<SessionName> SessionNames::find(std::uint32_t bench, std::uint64_t
   if (session == session_) return shown_name(own_);
   listen();
   while (true) {
-    // Before the look: what arrives after it ends the wait at once.
+    // Read before looking up, so that a later arrival ends the wait immediately.
     const std::uint64_t changes = wakeup_.changes();
     if (auto name = look_up(bench, session)) return name;
     if (wakeup_.work(changes, bench)) continue;

@@ -23,49 +23,49 @@
 
 namespace vdrive::client {
 
-/// Says who this session is, and learns who others are. A session that takes no axis has no writer,
-/// and one that meets no other session no reader: each is made when it is needed first, and every
-/// reader of a name pays for that once. What permissions do not allow, or DDS refuses, is left out:
-/// then the others, or we, know no name. Thread-safe; the caller holds no lock of the session.
+/// Publishes the name of this session and receives the names of others. A session that acquires no
+/// axis has no writer, and one that meets no other session no reader: each is created on first use,
+/// because every reader of names costs all participants. If permissions do not allow it, or DDS
+/// refuses, it is left out: then the others, or we, know no name. Thread-safe; the caller must hold
+/// no lock of the session.
 class SessionNames {
  public:
   using Clock = Discovery::Clock;
 
-  /// For the match of a reader or a writer that is new: it takes milliseconds, and on a machine
-  /// without a free processor longer.
+  /// For matching a new reader or writer: it takes milliseconds, longer on a machine without a free
+  /// processor.
   static constexpr std::chrono::milliseconds kMatchWait{1'000};
-  /// For the samples of a bench that is matched.
+  /// For the samples of a bench that has been matched.
   static constexpr std::chrono::milliseconds kFirstWait{250};
-  /// For the name of a session that was not asked for before: it may have begun just now.
+  /// For the name of a session not asked for before: it may have just started.
   static constexpr std::chrono::milliseconds kWait{100};
 
-  /// @param program of this session, empty = the name of the file that this process runs
+  /// @param program of this session; empty = the file name of this process's program
   SessionNames(wire::Participant& participant, std::uint64_t session, std::string program,
                const Discovery& discovery, Wakeup& wakeup);
 
-  /// Says to a bench who this session is, once. The bench passes it on to who asks.
+  /// Sends the name of this session to a bench, once. The bench passes it on to those who ask.
   void introduce(std::uint32_t bench);
 
-  /// Waits until the benches have what was said, at most kMatchWait: a program that takes an axis
-  /// and ends at once is gone before a bench has found its writer. To be called at the end of the
-  /// session. An interrupt ends the wait between two benches.
+  /// Waits until the benches have received the name, at most kMatchWait: a program that acquires an
+  /// axis and ends immediately would be gone before a bench has found its writer. To be called at
+  /// the end of the session. An interrupt ends the wait between two benches.
   void finish();
 
-  /// @return who a session is; nothing when it does not say. Waits for the match of a reader that
-  /// is
-  ///         new, for the first samples of the bench, and later for kWait. An interrupt ends the
+  /// @return the name of a session; nothing if it does not state one. Waits for the match of a new
+  ///         reader, for the first samples of the bench, and later for kWait. An interrupt ends the
   ///         wait.
   std::optional<SessionName> find(std::uint32_t bench, std::uint64_t session);
 
-  /// @return the same without waiting; the first call begins to listen.
+  /// @return as find(), without waiting; the first call starts listening.
   std::optional<SessionName> known(std::uint32_t bench, std::uint64_t session);
 
-  /// @return a refusal with the name of the session that stands in the way, where it has one; any
-  ///         other outcome as it is.
+  /// @return a refusal with the name of the session that caused it, if it has one; any other
+  ///         outcome unchanged.
   Outcome named(const Target& target, Outcome outcome);
 
  private:
-  /// A place of the table that a bench keeps.
+  /// An entry in the table that a bench keeps.
   using Place = std::pair<std::uint32_t, std::uint16_t>;
 
   struct Known {
@@ -82,21 +82,21 @@ class SessionNames {
 
   wire::Participant& participant_;
   const std::uint64_t session_;
-  const SessionName own_;  ///< as it is sent
+  const SessionName own_;  ///< as sent
   const Discovery& discovery_;
   Wakeup& wakeup_;
 
-  std::mutex saying_;  ///< guards the next two; no other lock is taken with it
+  std::mutex saying_;  ///< guards the next two; no other lock is taken under it
   std::set<std::uint32_t> introduced_;
   std::unique_ptr<wire::Publication<msg::SessionName>> publication_;
 
-  mutable std::mutex mutex_;  ///< guards what was received and asked for
+  mutable std::mutex mutex_;  ///< guards the names received and the sessions asked for
   std::map<Place, Known> names_;
-  std::map<std::uint64_t, Clock::time_point> asked_;  ///< sessions, since when
+  std::map<std::uint64_t, Clock::time_point> asked_;  ///< sessions, and since when
 
-  std::mutex listening_;  ///< guards what follows; not held where a name arrives
+  std::mutex listening_;  ///< guards the members below; not held while a name arrives
   Clock::time_point listens_since_{};
-  std::map<std::uint32_t, Clock::time_point> matched_;  ///< benches, since when
+  std::map<std::uint32_t, Clock::time_point> matched_;  ///< benches, and since when
   std::unique_ptr<wire::Subscription<msg::BenchSession>> subscription_;
 };
 

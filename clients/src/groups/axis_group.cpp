@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The axes of a group, their power states, and the watch over faults.
+// The axes of a group, their power states, and fault monitoring.
 #include "vdrive/client/axis_group.hpp"
 
 #include "base/drive_words.hpp"
@@ -42,7 +42,7 @@ GroupState state_of(const std::vector<AxisSnapshot>& axes) {
   return std::ranges::any_of(axes, moves) ? GroupState::moving : GroupState::standby;
 }
 
-/// How much of the line in hand is done, by the axis that has the longest way.
+/// The completed fraction of the present line, according to the axis with the longest distance.
 double fraction_of(const LineInHand& line, std::span<const AxisSnapshot> axes) {
   double longest = 0.0;
   double fraction = 1.0;
@@ -59,7 +59,7 @@ double fraction_of(const LineInHand& line, std::span<const AxisSnapshot> axes) {
 Outcome check_axes(std::span<const AxisId> axes) {
   if (axes.empty()) return Outcome::not_found("a group needs at least one axis");
   std::set<AxisId> seen;
-  std::map<std::uint32_t, std::size_t> counts;  // of axes by bench
+  std::map<std::uint32_t, std::size_t> counts;  // of axes, by bench
   for (const AxisId& id : axes) {
     if (!seen.insert(id).second) {
       return Outcome::refused(wire::number(msg::Reason::axis_twice),
@@ -120,7 +120,7 @@ std::vector<AxisId> GroupStatus::not_following() const {
   return late;
 }
 
-// ---- what copies share -----------------------------------------------------------------------
+// ---- state shared by copies --------------------------------------------------------------------
 
 std::chrono::nanoseconds timeout_of(const GroupCallOptions& options) {
   return options.timeout.value_or(kUsualTimeout);
@@ -158,7 +158,7 @@ Result<std::vector<std::int32_t>> AxisGroup::State::set_points_of(const Eigen::V
   std::vector<std::int32_t> set_points;
   for (const double value : values) {
     const double whole = std::nearbyint(value);
-    if (!(whole >= lowest && whole <= highest)) {  // NaN too
+    if (!(whole >= lowest && whole <= highest)) {  // also rejects NaN
       return Outcome::refused(wire_code(AbortCode::value_range_exceeded),
                               "axis " + to_string(layout.axes[set_points.size()]) + ": the " +
                                   std::string(row.noun) + " " + std::to_string(value) +
@@ -225,7 +225,7 @@ GroupStatus AxisGroup::State::status_of(const AxesCall& call) {
   return status;
 }
 
-// ---- its axes --------------------------------------------------------------------------------
+// ---- axes --------------------------------------------------------------------------------------
 
 AxisGroup::AxisGroup(std::shared_ptr<State> state) : state_(std::move(state)) {}
 
@@ -314,10 +314,10 @@ Outcome AxisGroup::take_over() {
   return call.acquire(true);
 }
 
-// ---- watching --------------------------------------------------------------------------------
+// ---- monitoring --------------------------------------------------------------------------------
 
-/// Stops the enabled axes when one has a fault, or while a line is in hand is not enabled or that
-/// of another session.
+/// Stops the enabled axes if one has a fault or, during a line, is not enabled or belongs to
+/// another session.
 Outcome AxisGroup::State::watch(AxesCall& call) {
   const auto moving = line_in_hand();
   if (moving && call.tick() < moving->start_tick) return {};

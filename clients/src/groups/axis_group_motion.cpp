@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Straight lines: times, start on one tick, arrival, queue.
+// Straight lines: times, common start tick, arrival, queue.
 #include "base/drive_words.hpp"
 #include "calls/arrival.hpp"
 #include "calls/axes_command.hpp"
@@ -24,10 +24,10 @@ namespace {
 
 using namespace literals;
 
-// Beyond the duration of a line: its window time, and a servo that lags.
+// Added to the duration of a line: for its window time, and for a servo that lags.
 constexpr std::chrono::seconds kBeyondDuration{5};
 
-// An axis may rest this far beside the whole unit that 6062h shows [UU].
+// An axis at rest may be this far from the integer position in 6062h [UU].
 constexpr double kBesideDemand = 0.5;
 
 constexpr ObjectAddress kDuration = kObjectRows["synchronous_move_duration"_object].address;
@@ -39,7 +39,7 @@ constexpr ObjectAddress kJerkTime = kObjectRows["synchronous_move_jerk_time"_obj
 constexpr ObjectAddress kReferenceWay =
     kObjectRows["synchronous_move_reference_way"_object].address;
 
-/// What the times of a line depend on, in the order of LimitObject.
+/// The objects that determine the times of a line, in the order of LimitObject.
 constexpr auto kLimitObjects =
     move_bounds_and<"motor_speed_limit"_object, "app_position_limit_switch"_object,
                     "user_position_lower_limit"_object, "user_position_upper_limit"_object,
@@ -83,8 +83,8 @@ Outcome beyond_range(const AxesCall& call, const AxisId& axis, std::int64_t targ
                               std::string(range) + text(begin) + std::string(to) + text(end));
 }
 
-/// A line is planned as on linear axes: on a modulo axis (607Bh) its target has to be a position
-/// that 6062h can show, and its way the difference of two such positions.
+/// A line is planned as for linear axes: on a modulo axis (607Bh), its target must be a position
+/// that 6062h can show, and its distance is the difference of two such positions.
 Outcome check_range(const AxesCall& call, const AxisId& axis,
                     const std::vector<std::int64_t>& values, std::int64_t target) {
   if (values[range_begin] >= values[range_end]) return {};
@@ -98,8 +98,8 @@ Outcome check_range(const AxesCall& call, const AxisId& axis,
                            "cannot keep; write it without bits 6 and 7");
 }
 
-/// A drive leaves the line that forgets the speed of a moving axis, and one that looks at its
-/// controlword once in a while: nobody knows when it would start.
+/// Two habits make a drive leave the line: forgetting the speed of a moving axis, and evaluating
+/// the controlword only once per loop, so that its start is not predictable.
 Outcome check_habits(const std::string& axis, const std::vector<std::int64_t>& values,
                      bool in_motion) {
   if (values[habit_controlword_loop] != 0) {
@@ -131,7 +131,7 @@ MotionLimits limits_from(const std::vector<std::int64_t>& values, const LineRequ
 
 /// The jerk of one axis as the drive applies it.
 MotionJerk jerk_from(const std::vector<std::int64_t>& values) {
-  constexpr std::int64_t kLimitedJerk = 3;  // of 6086h
+  constexpr std::int64_t kLimitedJerk = 3;  // a value of 6086h
   if (values[motion_profile_type] != kLimitedJerk) return {};
   const bool has_two = values[profile_jerk_use] == 2;
   return {.acceleration = static_cast<double>(values[profile_jerk_1]),
@@ -144,8 +144,9 @@ void add_target(msg::AxisCommand& command, std::int32_t target) {
   command.position_user_target_value = target;
 }
 
-/// The whole handshake: bit 4 low, the set-point's edge with the common times, bit 4 low again. The
-/// drive latches the times with the edge; cleared, they do not outlast it.
+/// The complete handshake: bit 4 low, the edge with the set-point and the common times, bit 4 low
+/// again. The drive latches the times on the edge; clearing them keeps them from affecting later
+/// moves.
 std::array<Round, 3> start_rounds(const AxesCall& call, const LineRequest& request,
                                   const LinePlan& plan) {
   std::array<Round, 3> rounds{call.round_of(kEnableOperation, every_axis),
@@ -178,9 +179,9 @@ std::vector<std::int32_t> demands_of(std::span<const AxisSnapshot> axes) {
   return demands;
 }
 
-/// A drive takes no set-point before it shows its mode. It shows it later than commanded where it
-/// says so (5E20h:08), and where the axis has to come to rest first, which 606Bh does not show in a
-/// mode without a position loop. Such axes get the mode before the line, not with it.
+/// A drive takes no set-point before it shows the mode. It may show it later than commanded: if it
+/// has that habit (5E20h:08), or if the axis must first come to rest, which 606Bh does not show in
+/// a mode without a position loop. Such axes get the mode before the line, not with it.
 Outcome await_late_mode(AxesCall& call) {
   constexpr OperatingMode kMode = OperatingMode::profile_position;
   const auto has_mode = [](const AxisSnapshot& axis) {
@@ -259,8 +260,8 @@ Result<LinePlan> AxisGroup::State::plan_from_rest(AxesCall& call,
                   .course = {.origin = demands_of(call.snapshots()), .farthest = request.targets}};
 }
 
-/// In real time the axes are further on when the line starts: only its course counts, along which
-/// each axis plans from where it is then.
+/// In real time the axes have moved further when the line starts. So only the course of the line
+/// matters: each axis plans along it from its position at that time.
 Result<LinePlan> AxisGroup::State::plan_in_motion(AxesCall& call, const LineRequest& request) {
   const std::vector<AxisSnapshot>& axes = call.snapshots();
   const auto moving = line_in_hand();
@@ -321,10 +322,10 @@ Outcome AxisGroup::State::start(AxesCall& call, const LineRequest& request) {
                            "after it was enabled is not yet in force");
 }
 
-/// Takes back a start in which not every axis took part: the others get a set-point where they
-/// stand, axes that moved before after a halt. The round that clears the common times may be the
-/// one that was refused: left in force, they would make the next set-point of the axis a
-/// synchronous one, also one of no length.
+/// Withdraws a start in which not every axis took part: the others get a set-point at their present
+/// position, and axes that were moving before are halted first. The round that clears the common
+/// times may be the one that was refused. Left in force, those times would make the next set-point
+/// of the axis a synchronous one, even one of zero length.
 void AxisGroup::State::withdraw(AxesCall& call) {
   Round halt = call.round_of(kHalt, every_axis);
   for (Round::Entry& entry : halt.entries) {
@@ -343,7 +344,7 @@ void AxisGroup::State::withdraw(AxesCall& call) {
     add_target(entry.command, call.snapshots()[entry.place].status.position_demand_value);
     add_word(entry.command, kHalt | Controlword::kNewSetPoint | Controlword::kChangeSetImmediately);
   }
-  (void)call.exchange(rounds, Timing::at_once);  // what refused the start may refuse this too
+  (void)call.exchange(rounds, Timing::at_once);  // the axis may refuse this too
 }
 
 bool AxisGroup::State::has_arrived(const LineInHand& line, std::span<const AxisSnapshot> axes) {
@@ -369,7 +370,7 @@ Outcome AxisGroup::State::await_line(AxesCall& call, const GroupCallOptions& opt
                            return !cut || (demand_arrived(axis, moving->targets[place]) &&
                                            (!in_position || target_reached(axis)));
                          });
-  // The line is lost: the others must not continue alone.
+  // The axis has left the line: the others must not continue alone.
   if (outcome && !cut) outcome = call.stop_others(std::move(cut));
   if (outcome) {
     set_line(std::nullopt);
@@ -382,7 +383,7 @@ Outcome AxisGroup::State::await_line(AxesCall& call, const GroupCallOptions& opt
 Outcome AxisGroup::State::run(AxesCall& call, const LineRequest& request,
                               const GroupCallOptions& options) {
   if (is_on_the_move(call.snapshots())) {
-    drop_queue();  // refused, this line leaves the axes on the one in hand
+    drop_queue();  // after a refusal the axes continue along the present line
   } else {
     drop_all();
   }
@@ -415,7 +416,7 @@ Outcome AxisGroup::move_by(const Eigen::VectorXd& displacements, const GroupMove
 Outcome AxisGroup::queue_move(const Eigen::VectorXd& targets, const GroupMoveOptions& options) {
   const Discovery& discovery = state_->core->discovery;
   if (Outcome here = discovery.check_process(); !here) return here;
-  // Nothing is sent: a bench that is silent for a moment may still take the line later.
+  // Nothing is sent: a bench that is briefly silent may still take the line later.
   for (const GroupLayout::Bench& bench : state_->layout.benches) {
     if (Outcome there = discovery.check_last_run(bench.number); !there) return there;
   }
@@ -447,7 +448,7 @@ Outcome AxisGroup::wait_all(const GroupCallOptions& options) {
   }
 }
 
-/// With a line in hand the axes are waited for at its end, else at the targets that they show.
+/// With a line in progress, waits for its end; otherwise for the targets that the axes show.
 Outcome AxisGroup::State::resume(AxesCommand& resume, const GroupCallOptions& options) {
   if (stream) resume.release_streams_of(stream->released);
   std::set<std::uint32_t> stepped;

@@ -19,12 +19,12 @@ namespace {
 
 using namespace literals;
 
-// A change of the mode takes one tick at rest; an axis that moves brakes first.
+// A change of mode takes one tick at rest; a moving axis brakes first.
 constexpr std::chrono::seconds kModeChange{5};
 
-// A stream that is shorter than two ticks ahead cannot reach its tick.
+// A stream less than two ticks ahead cannot meet its tick.
 constexpr std::uint64_t kShortestLead = 2;
-// A bench refuses a frame that is more than 10 s ahead, and keeps 1,024 of all sessions.
+// A bench refuses a frame more than 10 s ahead, and keeps 1,024 frames of all sessions together.
 constexpr std::chrono::seconds kLongestLead{1};
 
 const StreamedRow& streamed_row(Streamed what) {
@@ -46,9 +46,9 @@ std::uint64_t lead_of(const Stream& stream) {
                            stream.call.period()));
 }
 
-/// Releases the positions of drives that follow them only with bits 4 to 6 of 6040h (5E20h:02).
-/// Each gets the place where it stands before, so that bit 12 shows the release.
-/// @param released receives their places
+/// Releases drives that follow positions only with bits 4 to 6 of 6040h (5E20h:02). Each gets its
+/// present position first, so that bit 12 shows the release.
+/// @param released receives the places of these axes
 Outcome release_positions(AxesCall& call, std::vector<std::size_t>& released) {
   const auto habits =
       call.read(std::array{kObjectRows["habit_stream_release_bits"_object].address});
@@ -141,7 +141,7 @@ Result<GroupStatus> AxisGroup::stream(const Eigen::VectorXd& set_points) {
   return state_->status_of(call);
 }
 
-/// The step waits for the frames, so that their answers are there after it.
+/// The step waits for the frames, so their answers have arrived after it.
 Outcome AxisGroup::State::stream_stepping(const Round& round) const {
   AxesCall& call = stream->call;
   const std::uint64_t ticks = stream->options.pace == Pace::drive ? 1 : 0;
@@ -151,8 +151,8 @@ Outcome AxisGroup::State::stream_stepping(const Round& round) const {
   return call.collect(sent, std::move(outcome)).outcome;
 }
 
-/// Positions are sent for one tick after the other. The answer to one comes in its tick, and with
-/// it the caller continues: so the bench's clock paces the stream.
+/// Positions are sent for consecutive ticks. Each is answered in its tick, and the caller continues
+/// on that answer, so the clock of the bench paces the stream.
 Outcome AxisGroup::State::stream_ahead(const Round& round) const {
   const std::uint64_t lead = lead_of(*stream);
   if (stream->next_tick == 0) {
@@ -163,7 +163,7 @@ Outcome AxisGroup::State::stream_ahead(const Round& round) const {
   std::vector<SentFrames>& sent = stream->in_flight.emplace_back();
   Outcome outcome = stream->call.send({&round, 1}, stream->next_tick++, sent);
   while (outcome && stream->in_flight.size() >= lead) outcome = collect_oldest();
-  if (!outcome) {  // the next position starts anew, as far ahead as the first
+  if (!outcome) {  // restart: the next position is as far ahead as the first one was
     collect_rest();
     stream->next_tick = 0;
   }
@@ -180,7 +180,7 @@ Outcome AxisGroup::State::collect_oldest() const {
   return {};
 }
 
-/// The answers to the others do not matter any more.
+/// The remaining answers no longer matter.
 void AxisGroup::State::collect_rest() const {
   while (!stream->in_flight.empty()) {
     (void)stream->call.collect(stream->in_flight.front(), {});
@@ -191,7 +191,7 @@ void AxisGroup::State::collect_rest() const {
 Outcome AxisGroup::stop_streaming(const GroupCallOptions& options) {
   if (Outcome here = state_->core->discovery.check_process(); !here) return here;
   if (!state_->stream) return not_in_this_state("streaming was not started");
-  state_->core->failure.rethrow();  // first: the same call again ends the streaming
+  state_->core->failure.rethrow();  // first: a repeated call must still end the stream
   Outcome rest;
   while (rest && !state_->stream->in_flight.empty()) rest = state_->collect_oldest();
   state_->collect_rest();
@@ -200,7 +200,7 @@ Outcome AxisGroup::stop_streaming(const GroupCallOptions& options) {
   AxesCall call = state_->call(options);
   if (Outcome ready = call.begin_control(timeout_of(options)); !ready) return ready;
   Round mode = mode_round(call, OperatingMode::profile_position);
-  for (const std::size_t place : released) {  // bit 4 has to drop before its next edge
+  for (const std::size_t place : released) {  // bit 4 must be 0 before its next edge
     if (is_enabled(call.snapshots()[place])) {
       add_word(mode.entries[place].command, kEnableOperation);
     }
@@ -211,12 +211,12 @@ Outcome AxisGroup::stop_streaming(const GroupCallOptions& options) {
   Outcome seen = call.await("profile position mode", answers.tick, [&](const AxisSnapshot& axis) {
     return !to_the_end || axis.mode() == OperatingMode::profile_position;
   });
-  if (seen && to_the_end) {  // who still moved has braked before its mode has changed
+  if (seen && to_the_end) {  // an axis that was moving braked before it changed its mode
     for (const BenchPart& part : call.axes().parts()) {
       state_->core->holdings.forget_running(part.target.key, part.bench->axes);
     }
   }
-  // A position that came late was not run: the axes rest elsewhere than the caller believes.
+  // A late position was not executed: the axes are not at rest where the caller expects them.
   return seen ? rest : seen;
 }
 

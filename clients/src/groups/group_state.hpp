@@ -22,7 +22,7 @@
 
 namespace vdrive::client {
 
-/// A straight line that was requested.
+/// A straight line as requested.
 struct LineRequest {
   std::vector<std::int32_t> targets;
   double velocity_factor = 1.0;
@@ -30,30 +30,30 @@ struct LineRequest {
   double deceleration_factor = 1.0;
 };
 
-/// A straight line that has been handed to the axes.
+/// A straight line that has been handed over to the axes.
 struct LineInHand {
   std::vector<std::int32_t> starts;
   std::vector<std::int32_t> targets;
-  std::chrono::microseconds duration{0};  ///< at most, where the line started in motion
-  std::uint64_t start_tick = 0;           ///< in which the set-points are in force
+  std::chrono::microseconds duration{0};  ///< an upper bound if the line started in motion
+  std::uint64_t start_tick = 0;           ///< in which the set-points take effect
   LineCourse course;
   std::vector<GivenCommand> given;  ///< the set-points
 };
 
-/// What the axes get with their targets.
+/// The values sent to the axes with their targets.
 struct LinePlan {
   LineTimes times;
   std::vector<std::int64_t> reference_ways;  ///< 5E10h:05 [UU]; each 0 from rest
-  std::chrono::microseconds duration{0};     ///< at most, where the line starts in motion
+  std::chrono::microseconds duration{0};     ///< an upper bound if the line starts in motion
   LineCourse course;
 };
 
-/// What is streamed: its mode, and the object that takes it.
+/// A kind of stream: its mode, and the object that takes the set-points.
 struct StreamedRow {
   Streamed what;
   OperatingMode mode;
   ObjectRow object;
-  std::string_view noun;  ///< of one set-point
+  std::string_view noun;  ///< name of one set-point
 };
 
 /// In the order of Streamed.
@@ -69,57 +69,58 @@ inline constexpr std::array kStreamedRows = [] {
   };
 }();
 
-/// Set-points on their way in cyclic streaming.
+/// Set-points in flight in cyclic streaming.
 struct Stream {
   const StreamedRow& row;
   StreamOptions options;
   AxesCall call;
   std::deque<std::vector<SentFrames>> in_flight;  ///< real time: oldest first
   std::uint64_t next_tick = 0;          ///< real time: of the next set-point; 0 = none yet
-  std::vector<std::size_t> released{};  ///< places of the axes that have kReleaseStream
+  std::vector<std::size_t> released{};  ///< places of the axes that got kReleaseStream
 };
 
-/// What copies of a group share.
+/// The state shared by the copies of a group.
 struct AxisGroup::State {
   std::shared_ptr<SessionCore> core;
   GroupLayout layout;
 
-  std::mutex mutex;  ///< guards what follows up to the stream
+  std::mutex mutex;  ///< guards the members up to `queue`
   std::optional<LineInHand> line;
   std::deque<LineRequest> queue;
 
   std::unique_ptr<Stream> stream;
   std::jthread monitor;
 
-  /// @return the outcome of a call that has ended: with the session that has taken an axis, where
-  ///         one has.
+  /// @return the outcome of a call that has ended, naming the session that has taken an axis, if
+  ///         any.
   [[nodiscard]] Outcome explained(Outcome outcome) const;
 
-  /// A call that reports its progress to `options`.
+  /// Creates a call that reports its progress to `options`.
   AxesCall call(const GroupCallOptions& options);
   ObservedAxes::Progress progress_of(const GroupCallOptions& options);
 
   /// The steps of EachCommand::resume after its begin().
   Outcome resume(AxesCommand& resume, const GroupCallOptions& options);
 
-  /// Vectors of the caller as whole set-points, each within its object.
+  /// Converts vectors of the caller to integer set-points, each within the range of its object.
   Result<std::vector<std::int32_t>> set_points_of(const Eigen::VectorXd& values,
                                                   const StreamedRow& row) const;
   Result<LineRequest> request_of(const Eigen::VectorXd& targets,
                                  const GroupMoveOptions& options) const;
 
-  /// Hands a line to the axes, from rest or along the line in hand; no time passes in lock-step
-  /// unless an axis comes from another mode, or moving axes have to be halted again. The line in
-  /// hand stays when it is refused before anything is in force.
+  /// Hands a line over to the axes, from rest or along the present line. In lock-step no time
+  /// passes, unless an axis has to change its mode or moving axes have to be halted again. The
+  /// present line stays valid if this is refused before anything has taken effect.
   Outcome start(AxesCall& call, const LineRequest& request);
 
-  /// @return whether the demands have come to rest on their targets.
+  /// @return whether the demand positions are at rest on their targets.
   [[nodiscard]] static bool has_arrived(const LineInHand& line, std::span<const AxisSnapshot> axes);
 
-  /// Waits until the line in hand has arrived: the demands, and when `in_position` the axes too.
+  /// Waits until the present line has arrived: the demand positions and, with `in_position`, the
+  /// axes too.
   Outcome await_line(AxesCall& call, const GroupCallOptions& options, bool in_position);
 
-  /// Starts `request` and waits as long as the options require.
+  /// Starts `request`, then waits as the options require.
   Outcome run(AxesCall& call, const LineRequest& request, const GroupCallOptions& options);
 
   [[nodiscard]] std::optional<LineInHand> line_in_hand();
@@ -127,27 +128,27 @@ struct AxisGroup::State {
   std::optional<LineRequest> next_request();
   void drop_queue();
 
-  /// Nothing is left to do: after a stop or a failure.
+  /// Clears line and queue after a stop or a failure.
   void drop_all();
 
   [[nodiscard]] GroupStatus status_of(const AxesCall& call);
 
-  /// One turn of poll().
+  /// One cycle of poll().
   Outcome watch(AxesCall& call);
 
-  /// Stops the other axes when an axis of the line in hand has got another command.
+  /// Stops the other axes if an axis of the present line has got another command.
   Outcome watch_commands(AxesCall& call);
   void monitor_loop(const std::stop_token& stop, AxesCall& call);
 
-  /// What stream() does in lock-step and in real time.
+  /// stream() in lock-step and in real time.
   Outcome stream_stepping(const Round& round) const;
   Outcome stream_ahead(const Round& round) const;
   Outcome collect_oldest() const;
   void collect_rest() const;
 
  private:
-  /// @return what the axes may do on their ways to the targets from where they are; the distances
-  ///         are for a line from rest.
+  /// @return distances and limits of the axes from their present positions to the targets; the
+  ///         distances are for a line from rest.
   Result<std::vector<AxisWay>> ways_of(AxesCall& call, const LineRequest& request,
                                        bool in_motion) const;
   [[nodiscard]] Outcome takes_too_long(std::span<const AxisWay> ways) const;
@@ -159,7 +160,7 @@ struct AxisGroup::State {
 /// @return a round that sets the mode of every axis, or of none.
 [[nodiscard]] Round mode_round(const AxesCall& call, OperatingMode mode);
 
-/// @return the time-out of a call that is no move.
+/// @return the time-out of a call that is not a move.
 [[nodiscard]] std::chrono::nanoseconds timeout_of(const GroupCallOptions& options);
 
 }  // namespace vdrive::client

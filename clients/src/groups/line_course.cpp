@@ -14,14 +14,14 @@
 namespace vdrive::client {
 namespace {
 
-// Targets that are rounded to whole units lie this far beside a line at most [UU].
+// The rounding of targets to integers takes them off a line by at most this much [UU].
 constexpr double kTargetRounding = 1.0;
 
-// Demands lie further beside it: each is rounded, the axes may have begun half a unit beside their
-// origin, and the course may have changed by the rounding of its target [UU].
+// Demand positions may be further off: each is rounded, the axes may have started half a unit from
+// their origin, and the course may have changed by the rounding of its target [UU].
 constexpr double kDemandRounding = 3.0;
 
-/// The axis with the longest way, which is the measure of the others.
+/// The positions of the axes along a course, as fractions of the longest distance.
 class Measure {
  public:
   explicit Measure(const LineCourse& course) : course_(course) {
@@ -30,25 +30,26 @@ class Measure {
     }
   }
 
-  /// @return the way [UU] of the axis at `place`.
+  /// @return the distance [UU] of the axis at `place`.
   [[nodiscard]] double way(std::size_t place) const {
     return static_cast<double>(course_.farthest[place]) - course_.origin[place];
   }
 
   [[nodiscard]] std::size_t longest() const { return longest_; }
 
-  /// @return how many ways the axis with the longest way has gone at `position` [UU].
+  /// @return the fraction of its distance that the axis with the longest distance has covered at
+  ///         `position` [UU].
   [[nodiscard]] double share(double position) const {
     return of_way(position - course_.origin[longest_]);
   }
 
-  /// @return `value` of the axis with the longest way as a part of its way.
+  /// @return `value` of the axis with the longest distance, as a fraction of that distance.
   [[nodiscard]] double of_way(double value) const {
     const double measure = way(longest_);
     return measure == 0.0 ? 0.0 : value / measure;
   }
 
-  /// @return where the axis at `place` is at this share of its way [UU].
+  /// @return the position of the axis at `place` at this fraction of its distance [UU].
   [[nodiscard]] double position(std::size_t place, double share) const {
     return course_.origin[place] + share * way(place);
   }
@@ -58,17 +59,17 @@ class Measure {
   std::size_t longest_ = 0;
 };
 
-/// What one axis has, and what the line has in its place.
+/// The value of an axis, and the corresponding value on the line.
 struct OnLine {
-  std::string_view what;  ///< with its object
+  std::string_view what;  ///< name and object
   Dimension dimension = Dimension::position;
   std::int32_t value = 0;
   double of_line = 0.0;
-  double rounding = 0.0;  ///< that is allowed
+  double rounding = 0.0;  ///< tolerance
 };
 
 Outcome check_on_line(const AxisId& axis, const Unit& unit, const OnLine& seen) {
-  constexpr double kNoise = 1.0e-6;  // of the calculation
+  constexpr double kNoise = 1.0e-6;  // of the computation
   if (std::abs(seen.value - seen.of_line) <= seen.rounding + kNoise) return {};
   const auto text = [&](double value) {
     return quantity_text(std::llround(value), seen.dimension, unit);
@@ -104,7 +105,7 @@ Outcome check_motion(const Measure& measure, std::span<const AxisSnapshot> axes,
   return {};
 }
 
-/// Beyond its farthest target a line is known less exactly, by as much as that is rounded.
+/// Beyond its farthest target a line is known less exactly, by the rounding of that target.
 Outcome check_targets(const Measure& measure, std::span<const AxisSnapshot> axes,
                       std::span<const std::int32_t> targets, std::span<const Unit> units) {
   const double share = measure.share(targets[measure.longest()]);
@@ -155,7 +156,7 @@ std::vector<double> ways_along(const LineCourse& course) {
   const Measure measure(course);
   std::vector<double> ways;
   for (std::size_t place = 0; place < course.origin.size(); ++place) {
-    // Also an axis without a way needs one: with 0 it would have to be at rest (5E10h:05).
+    // Even an axis with no distance needs one: with 0 it would have to be at rest (5E10h:05).
     ways.push_back(std::max(1.0, std::abs(measure.way(place))));
   }
   return ways;

@@ -13,7 +13,7 @@ namespace {
 using std::chrono::microseconds;
 
 constexpr double kMicrosecond = 1.0e-6;
-// What 5E10h holds.
+// The range of the members of 5E10h.
 constexpr microseconds kLongest{std::numeric_limits<std::uint32_t>::max()};
 constexpr double kLongestWay = std::numeric_limits<std::uint32_t>::max();  // [UU]
 
@@ -30,7 +30,7 @@ MotionLimits along_path(std::span<const AxisWay> ways) {
   return path;
 }
 
-/// Jerk of the path parameter [1/s³]; infinite where no axis limits it.
+/// Jerk of the path parameter [1/s³]; infinite if no axis limits it.
 MotionJerk jerk_along_path(std::span<const AxisWay> ways) {
   constexpr double kInfinity = std::numeric_limits<double>::infinity();
   MotionJerk path{.acceleration = kInfinity, .deceleration = kInfinity};
@@ -42,7 +42,8 @@ MotionJerk jerk_along_path(std::span<const AxisWay> ways) {
   return path;
 }
 
-/// @return the time [s] in which the acceleration grows and shrinks in both ramps to `peak`.
+/// @return the time [s] that the acceleration takes to build up and to decay in both ramps to
+///         `peak`.
 double jerk_time(double peak, const MotionLimits& path, const MotionJerk& jerk) {
   const auto of_ramp = [peak](double highest, double of_path) {
     return std::min(highest / of_path, std::sqrt(peak / of_path));
@@ -51,7 +52,7 @@ double jerk_time(double peak, const MotionLimits& path, const MotionJerk& jerk) 
                   of_ramp(path.deceleration, jerk.deceleration));
 }
 
-/// @return how much of the path the ramps to `peak` and back need.
+/// @return the part of the path that the ramps to `peak` and back need.
 double way_of_ramps(double peak, const MotionLimits& path, const MotionJerk& jerk) {
   const double grows = jerk_time(peak, path, jerk);
   const double up = std::max(peak / path.acceleration + grows, 2.0 * grows);
@@ -59,14 +60,14 @@ double way_of_ramps(double peak, const MotionLimits& path, const MotionJerk& jer
   return 0.5 * peak * (up + down);
 }
 
-/// @return whether the ramps to `peak` and back leave room for it on the path.
+/// @return whether the ramps to `peak` and back fit on the path.
 bool ramps_fit(double peak, const MotionLimits& path, const MotionJerk& jerk) {
   return way_of_ramps(peak, path, jerk) <= 1.0;
 }
 
 /// @return the highest speed of the path parameter [1/s] whose ramps fit.
 double highest_peak(const MotionLimits& path, const MotionJerk& jerk) {
-  constexpr int kHalvings = 100;  // more than a double has bits
+  constexpr int kHalvings = 100;  // more than the bits of a double
   const double triangle = std::sqrt(2.0 * path.acceleration * path.deceleration /
                                     (path.acceleration + path.deceleration));
   const double peak = std::min(path.velocity, triangle);
@@ -80,10 +81,10 @@ double highest_peak(const MotionLimits& path, const MotionJerk& jerk) {
   return low;
 }
 
-/// @return `seconds` in whole microseconds, rounded up, at least one. A whole number stays one in
-///         spite of its last bits.
+/// @return `seconds` in microseconds, rounded up to an integer of at least one. An integer stays
+///         the same in spite of rounding errors in its last bits.
 microseconds rounded_up(double seconds) {
-  constexpr double kNoise = 1.0e-5;  // in 4295 s of microseconds a double errs by less
+  constexpr double kNoise = 1.0e-5;  // the error of a double in 4295 s of microseconds is less
   return microseconds{
       static_cast<std::int64_t>(std::max(1.0, std::ceil(seconds / kMicrosecond - kNoise)))};
 }
@@ -91,7 +92,7 @@ microseconds rounded_up(double seconds) {
 }  // namespace
 
 bool keeps_limits(const AxisWay& way, const LineTimes& times) noexcept {
-  // The same expressions as the drive's own check, to the last bit.
+  // The same expressions as in the drive's own check, to the last bit.
   const MoveTimes seconds{
       .duration = static_cast<double>(times.duration.count()) * kMicrosecond,
       .acceleration = static_cast<double>(times.acceleration.count()) * kMicrosecond,
@@ -113,7 +114,7 @@ std::optional<LineTimes> plan_line(std::span<const AxisWay> ways, microseconds p
   const MotionLimits path = along_path(ways);
   const MotionJerk jerk = jerk_along_path(ways);
   const double peak = highest_peak(path, jerk);
-  // One second more than the longest, so that what is rounded up below fits its type.
+  // One second above the longest, so that the values rounded up below fit their type.
   if (!(1.0 / peak < static_cast<double>(kLongest.count()) * kMicrosecond + 1.0)) {
     return std::nullopt;
   }
@@ -137,12 +138,12 @@ std::optional<LineTimes> plan_line(std::span<const AxisWay> ways, microseconds p
 }
 
 std::optional<MovingTimes> plan_moving_line(std::span<const AxisWay> ways) {
-  // The duration ends nothing: whole ticks would only make it longer, and the axes slower.
+  // The duration ends nothing: rounding it to ticks would only make it longer, and the axes slower.
   constexpr microseconds kFinest{1};
   const MotionLimits path = along_path(ways);
   const double needed = way_of_ramps(path.velocity, path, jerk_along_path(ways));
   const double longest = std::ranges::max_element(ways, {}, &AxisWay::distance)->distance;
-  // One more than needed: rounded up, the ramps get longer.
+  // One more than needed: rounding up makes the ramps longer.
   const double stretch =
       std::max(1.0, std::min(std::floor(needed) + 1.0, std::floor(kLongestWay / longest)));
   std::vector<AxisWay> stretched(ways.begin(), ways.end());
@@ -153,14 +154,14 @@ std::optional<MovingTimes> plan_moving_line(std::span<const AxisWay> ways) {
 }
 
 microseconds longest_duration(const LineTimes& times, double left, double speed) noexcept {
-  constexpr double kForever = 1.0e9;  // [s]; nanoseconds hold it, too
+  constexpr double kForever = 1.0e9;  // [s]; also fits in nanoseconds
   const auto seconds = [](microseconds time) {
     return static_cast<double>(time.count()) * kMicrosecond;
   };
   const double ramps = seconds(times.acceleration + times.deceleration);
   const double peak = 1.0 / (seconds(times.duration) - 0.5 * ramps);
-  // The speed may be above the peak, and grow for a while. In the worst case the axes stop, which
-  // takes `stop`, and come back from rest.
+  // The speed may be above the peak and still grow for a while. In the worst case the axes stop,
+  // which takes `stop`, and return from rest.
   const double ratio = 1.0 + speed / peak;
   const double stop = ratio * ramps;
   const double back = left + ratio * peak * stop;

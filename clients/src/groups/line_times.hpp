@@ -11,11 +11,11 @@
 
 namespace vdrive::client {
 
-/// What one axis of a straight line has to go, and what it may do on the way.
+/// The distance of one axis of a straight line, and its limits.
 struct AxisWay {
   double distance = 0.0;  ///< [UU] >= 0
   MotionLimits limits;
-  MotionJerk jerk{};  ///< not limited: trapezoids
+  MotionJerk jerk{};  ///< default: not limited, trapezoids
 };
 
 /// Common times of the axes of a line, as 5E10h takes them.
@@ -26,39 +26,40 @@ struct LineTimes {
   std::chrono::microseconds jerk{0};  ///< at both ends of both ramps
 };
 
-/// The shortest profile that all axes can share, in whole microseconds and whole ticks.
+/// Computes the shortest profile that all axes can share, in integer microseconds and ticks.
 ///
-/// Along the path s = 0..1 an axis with the way D and the limits v, a, d allows v/D, a/D and d/D;
-/// the smallest of each count. Without a cruise the peak is p² = 2ad/(a + d). Rounding up makes the
-/// ramps and the duration longer, never an axis faster than its limits.
-/// Where axes have limited jerk, the smallest of j/D counts as well: a ramp to the peak p grows for
-/// min(a/j, √(p/j)), which all axes share at both ends of both ramps, and lasts as much longer.
-/// @return all 0 when no axis has a way; nothing when one has a way and may not move, or when the
-///         duration exceeds what 5E10h can hold, 2^32 - 1 us
+/// Along the path s = 0..1, an axis with the distance D and the limits v, a, d allows v/D, a/D and
+/// d/D; the smallest of each applies. Without a cruise phase the peak is p² = 2ad/(a + d). Rounding
+/// up makes the ramps and the duration longer, never an axis faster than its limits. If axes have
+/// limited jerk, the smallest j/D applies as well: the acceleration of a ramp to the peak p builds
+/// up for min(a/j, √(p/j)), a time that all axes share at both ends of both ramps and that
+/// lengthens the ramps.
+/// @return all 0 if no axis has a distance; nothing if an axis has a distance and must not move, or
+///         if the duration exceeds the range of 5E10h, 2^32 - 1 us
 [[nodiscard]] std::optional<LineTimes> plan_line(std::span<const AxisWay> ways,
                                                  std::chrono::microseconds period);
 
-/// Common times of a line that starts in motion, of ways that are `stretch` times as long.
+/// Common times of a line that starts in motion, for distances `stretch` times as long.
 struct MovingTimes {
   LineTimes times;
   std::uint32_t stretch = 1;
 };
 
-/// Times from which the highest speed, ramps and jerk follow that all axes can share in any state,
-/// as 5E10h:05 takes them: `ways` only have the proportions of the line, and are stretched until
-/// the ramps to the full speed fit, as far as 5E10h:05 can hold them. The way that is left and the
-/// speed of the axes do not count.
-/// @param ways each whole and at least 1 UU
-/// @return nothing where plan_line() of the stretched ways has nothing
+/// Computes the times that encode the highest speed, ramps and jerk that all axes can share in any
+/// state, as 5E10h:05 takes them. `ways` only give the proportions of the line and are stretched
+/// until the ramps to the full speed fit, as far as the range of 5E10h:05 allows. The remaining
+/// distance and the speed of the axes do not matter.
+/// @param ways integers of at least 1 UU
+/// @return nothing if plan_line() returns nothing for the stretched distances
 [[nodiscard]] std::optional<MovingTimes> plan_moving_line(std::span<const AxisWay> ways);
 
-/// An estimate from above of how long a line takes that starts in motion.
-/// @param left of the way to the target, and `speed` [1/s], both in stretched ways and without a
-///        sign
+/// An upper bound for the duration of a line that starts in motion.
+/// @param left the remaining distance to the target, and `speed` [1/s], both in stretched distances
+///        and without a sign
 [[nodiscard]] std::chrono::microseconds longest_duration(const LineTimes& times, double left,
                                                          double speed) noexcept;
 
-/// @return whether an axis that goes its way in these times stays within its limits.
+/// @return whether an axis that covers its distance in these times stays within its limits.
 [[nodiscard]] bool keeps_limits(const AxisWay& way, const LineTimes& times) noexcept;
 
 }  // namespace vdrive::client

@@ -109,7 +109,7 @@ bool Directory::forget_the_most_silent(Clock::time_point now) {
   const auto oldest = std::ranges::min_element(entries_, {}, [](const auto& item) {
     return item.second.newest;
   });
-  // A run whose samples arrive is never replaced by runs that only publish a description.
+  // A run whose samples arrive is never displaced by runs that only publish a description.
   if (oldest == entries_.end() || now - oldest->second.newest < kForgetAfter) return false;
   entries_.erase(oldest);
   return true;
@@ -174,8 +174,9 @@ void Directory::note_time(const BenchKey& key, const RunTime& time) {
   entry.time = time;
 }
 
-/// A description does not have the rate of a bench in real time, and the first sample of a paused
-/// one is a state, which does: without it a session would take that bench for one that runs.
+/// Without a sample, the rate of a bench in real time is unknown: the description does not contain
+/// it. The first sample of a paused bench is a state, which does; otherwise the bench would appear
+/// to be running.
 std::optional<Directory::Clock::duration> Directory::silence_of(const Entry& entry,
                                                                 Clock::time_point now) const {
   if (entry.info.clock_mode == ClockMode::realtime && !entry.newest_sample) return std::nullopt;

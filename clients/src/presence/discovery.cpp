@@ -18,10 +18,10 @@ namespace {
 
 using std::chrono::milliseconds;
 
-// A search compares its deadline at least this often.
+// A search checks its deadline at least this often.
 constexpr milliseconds kSearchPeriod{20};
 
-/// @return the host in a place such as "process 12 on bench-0"; a stranger may announce any text.
+/// @return the host in a place such as "process 12 on bench-0"; the text is not trusted.
 std::string host_of(std::string_view place) {
   constexpr std::string_view kBefore = " on ";
   const auto found = place.find(kBefore);
@@ -29,10 +29,10 @@ std::string host_of(std::string_view place) {
                                          : std::string(place.substr(found + kBefore.size()));
 }
 
-// A service that had no room for this participant reads its announcement again after a change.
+// A service that had no room for this participant reads its announcement again when it changes.
 constexpr milliseconds kAnnounceAgain{1'000};
 
-/// @return the number of the bench whose service has a participant of this name; nothing for every
+/// @return the number of the bench whose service has a participant of this name; nothing for any
 ///         other participant.
 std::optional<std::uint32_t> bench_of_service(std::string_view name) {
   constexpr std::string_view kService = "vdrived ";
@@ -40,7 +40,7 @@ std::optional<std::uint32_t> bench_of_service(std::string_view name) {
   return parse_digits<std::uint32_t>(name.substr(kService.size()));
 }
 
-/// @return the texts, with `mark` in front of each.
+/// @return the texts, each preceded by `mark`.
 std::string marked(std::string_view mark, std::span<const std::string> texts) {
   std::string all;
   for (const std::string& text : texts) all.append(mark).append(text);
@@ -58,7 +58,7 @@ std::string list_of(std::span<const PresentBench> benches) {
   return text;
 }
 
-/// By their numbers: what a service has not described has no name.
+/// Lists benches by number: a bench that is not described yet has no name.
 std::string list_of(const std::map<std::uint32_t, wire::Source>& services) {
   std::string text = services.size() == 1 ? "found bench" : "found benches";
   for (const auto& [bench, source] : services) {
@@ -113,7 +113,7 @@ void Discovery::search(std::optional<std::uint32_t> number, const Condition& con
   SearchTime time(begin, options_.find_timeout);
   auto announce_at = begin + kAnnounceAgain;
   while (true) {
-    // Before the look: a sample that arrives after it ends the wait at once.
+    // Read before looking, so that a later sample ends the wait immediately.
     const std::uint64_t changes = wakeup_.changes();
     const Sight sight = look(number);
     const bool has_found = condition(sight);
@@ -136,7 +136,7 @@ void Discovery::search(std::optional<std::uint32_t> number, const Condition& con
   }
 }
 
-/// @param number of the only bench that is looked for
+/// @param number if the search is for one bench only
 Sight Discovery::look(std::optional<std::uint32_t> number) const {
   const std::vector<wire::OtherParticipant> others = presence_.others();
   Sight sight{.participants = others.size()};
@@ -185,7 +185,8 @@ std::vector<std::string> Discovery::network_troubles() const {
   return participant_.troubles();
 }
 
-/// @return those that this session can meet. They come before the descriptions of their benches.
+/// @return the services that this session can meet. They are known before their benches are
+///         described.
 Discovery::Services Discovery::services() const {
   Services services;
   for (const wire::OtherParticipant& other : presence_.others()) {
@@ -195,9 +196,9 @@ Discovery::Services Discovery::services() const {
   return services;
 }
 
-/// @return the services that are to be named although their benches may not have described
-///         themselves: beside the only bench that this session finds all others, of which it takes
-///         no description; else those that are there for certain.
+/// @return the services to name in a message although their benches may not be described yet: if
+///         the session is limited to one bench, all other services, whose descriptions it ignores;
+///         otherwise those whose presence is certain.
 Discovery::Services Discovery::others_announced() const {
   Services others = services();
   std::erase_if(others, [this](const auto& other) {
@@ -219,8 +220,8 @@ std::string Discovery::place() const {
   return " " + participant_.place();
 }
 
-/// @return the text between the interfaces through which this session looks and the next step of a
-///         person; alone where nothing can be there that was not seen.
+/// @return the text followed by the interfaces that this session searches and the user's next step;
+///         only the text if the search cannot have missed anything.
 std::string Discovery::with_advice(const std::string& text) const {
   if (!presence_.may_miss_some()) return text;
   std::string troubles;
@@ -258,7 +259,7 @@ Result<PresentBench> Discovery::find_bench(std::optional<std::uint32_t> number) 
     found = directory_.find(wanted, now());
     return found.has_value();
   };
-  // First without a search: most calls are for a bench that is there.
+  // First without a search: most calls are for a bench that is present.
   if (!find()) {
     search(wanted, [&](const Sight& /*sight*/) {
       return find();
@@ -277,7 +278,7 @@ Outcome Discovery::not_found(std::optional<std::uint32_t> bench, std::string tex
   return lost_in_silence({.key = directory_.newest_run(*bench)}, now(), patience());
 }
 
-/// The name of an axis does not begin with a digit: what begins so is an address.
+/// The name of an axis does not begin with a digit, so text that does is an address.
 Result<AxisInfo> Discovery::find_axis(std::string_view text) {
   if (Outcome here = check_process(); !here) return here;
   const std::size_t dot = std::min(text.find('.'), text.size());
@@ -300,8 +301,8 @@ Result<AxisInfo> Discovery::find_on_bench(std::uint32_t bench, std::string_view 
                             list_of({&*found, 1}));
 }
 
-/// Ends with the bench that has the name, once every bench that was met has described its axes: of
-/// two axes with one name none may be commanded by chance.
+/// Ends when the bench with the name is found and every bench met has described its axes: if two
+/// axes share the name, neither may be commanded by accident.
 Result<AxisInfo> Discovery::find_name(std::string_view name) {
   Settling settling(Clock::now());
   std::vector<PresentBench> benches;
@@ -327,7 +328,7 @@ Result<AxisInfo> Discovery::find_name(std::string_view name) {
                             to_string(matches[0].id) + ", " + to_string(matches[1].id));
 }
 
-/// A session that sees one bench only expects no other.
+/// A session limited to one bench expects no other.
 bool Discovery::expects_more() const {
   if (options_.bench) return false;
   const std::size_t matched = description_subscription_.matched();
@@ -335,7 +336,7 @@ bool Discovery::expects_more() const {
   return matched > directory_.described() || directory_.expects_more(now());
 }
 
-// ---- what arrives ----------------------------------------------------------------------------
+// ---- receiving -------------------------------------------------------------------------------
 
 bool Discovery::sees(std::uint32_t bench) const {
   return !options_.bench || bench == *options_.bench;
@@ -384,7 +385,7 @@ void Discovery::set_rate(const BenchKey& key, double rate) {
   directory_.set_rate(key, rate);
 }
 
-// ---- questions -------------------------------------------------------------------------------
+// ---- queries -----------------------------------------------------------------------------------
 
 std::vector<PresentBench> Discovery::present() const {
   if (origin_.is_inherited()) return {};
@@ -411,7 +412,7 @@ bool Discovery::is_alive(const BenchKey& key, milliseconds patience) const {
 Outcome Discovery::check_presence(const Target& target) const {
   const std::scoped_lock lock(mutex_);
   const auto now = this->now();
-  // First: of a service that was restarted at once, samples of the old run are still young.
+  // First: if a service was restarted quickly, samples of the old run are still recent.
   if (directory_.is_restarted(target.key, now)) return Outcome::lost(restarted_text(target));
   if (directory_.is_alive(target.key, options_.silence, now)) return {};
   return lost_in_silence(target, now, options_.silence);
@@ -429,7 +430,7 @@ Outcome Discovery::check_last_run(std::uint32_t bench) const {
 Outcome Discovery::check_samples(const Target& target, Silence silence) const {
   const std::scoped_lock lock(mutex_);
   const auto now = this->now();
-  // First: samples that have arrived count, whatever has begun since.
+  // First: samples that have arrived count, even if another run has started since.
   if (directory_.is_alive(target.key, options_.silence, now)) return {};
   if (directory_.is_restarted(target.key, now)) return Outcome::lost(restarted_text(target));
   const auto limit = silence == Silence::is_bridged ? patience() : options_.silence;
@@ -437,7 +438,7 @@ Outcome Discovery::check_samples(const Target& target, Silence silence) const {
                                                      : lost_in_silence(target, now, limit);
 }
 
-/// With the lock.
+/// Called with the lock held.
 Outcome Discovery::lost_in_silence(const Target& target, Clock::time_point now,
                                    milliseconds limit) const {
   if (directory_.is_offline(target.key)) {

@@ -10,23 +10,24 @@ namespace {
 
 using std::chrono::milliseconds;
 
-// After this without a further bench, all benches that are there have been found. A busy machine
-// or a slow network took long for the first sign of a bench already: there a search waits this many
-// times as long as for that.
+// If no further bench appears for this time, all present benches have been found. On a busy machine
+// or a slow network, the first sign of a bench already took long: there the time is kSettleTimes as
+// long as that took.
 constexpr milliseconds kSettle{150};
 constexpr int kSettleTimes = 4;
 
-/// Of the time that a search may take, for a service that has announced itself.
+/// How many times longer a search may take if a service has announced itself.
 constexpr int kTimesForAnnounced = 3;
 
-/// Threads that a message passes one after the other, each as late as this one: of the service's
-/// library, of the service, of the library here, of the search.
+/// Threads that a message passes through in sequence, each as late as this one: in the service's
+/// library, in the service, in the library here, in the search.
 constexpr int kThreadsOfMessage = 4;
 
-/// A machine that stands still ends a search after this many times its time.
+/// On a stalled machine, a search ends after this many times its time.
 constexpr int kMostTimesForDelay = 3;
 
-/// A message names the delay of the machine from here on: less is usual and explains nothing.
+/// A message mentions the delay of the machine from this value on: smaller delays are usual and
+/// explain nothing.
 constexpr milliseconds kShownDelay{10};
 
 }  // namespace

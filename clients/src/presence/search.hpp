@@ -9,35 +9,35 @@ namespace vdrive::client {
 
 using SearchClock = std::chrono::steady_clock;
 
-/// What a search for benches sees at one time.
+/// A snapshot of what a search for benches has found so far.
 struct Sight {
-  std::size_t present = 0;       ///< benches that have described themselves and live
-  std::size_t participants = 0;  ///< others of any kind; clients do not see each other
+  std::size_t present = 0;       ///< benches that are described and alive
+  std::size_t participants = 0;  ///< other participants of any kind; clients do not see each other
   /// Participants of services that this session can meet: known some 100 ms before their benches.
   std::size_t services = 0;
-  std::size_t undescribed = 0;  ///< of these, those that have not shown their bench
-  std::size_t unreachable = 0;  ///< services of the other mode: closed for an open session
-  bool is_complete = false;     ///< nobody else is there, for certain
+  std::size_t undescribed = 0;  ///< of these, those that have not described their bench
+  std::size_t unreachable = 0;  ///< services in the other mode: closed for an open session
+  bool is_complete = false;     ///< certainly nobody else is present
 };
 
 /// @param delay see SearchTime
-/// @return words such as "seen: 3 other participants, 1 service that has not described its bench".
+/// @return such as "seen: 3 other participants, 1 service that has not described its bench".
 [[nodiscard]] std::string text_of(const Sight& sight, SearchClock::duration delay);
 
-/// Until when a search goes on. A participant that announced itself as a service is worth waiting
-/// for. A machine that lets this thread run late lets every thread run late that a description
-/// passes, here and in the service.
+/// The end of a search. A participant that has announced itself as a service is worth a longer
+/// wait. A machine that runs this thread late also delays every thread that a description passes
+/// through, here and in the service.
 class SearchTime {
  public:
   SearchTime(SearchClock::time_point begin, std::chrono::milliseconds timeout);
 
-  /// The search was to go on at `planned`, and does at `now`.
+  /// Records that a wait planned to end at `planned` ended at `now`.
   void note_wait(SearchClock::time_point planned, SearchClock::time_point now);
 
   /// @param is_expecting a service has announced itself, and nothing has been found
   [[nodiscard]] SearchClock::time_point end(bool is_expecting) const;
 
-  /// @return how late this machine has let the search run, in all.
+  /// @return the total delay of the search caused by this machine.
   [[nodiscard]] SearchClock::duration delay() const { return delay_; }
 
  private:
@@ -46,20 +46,20 @@ class SearchTime {
   SearchClock::duration delay_{};
 };
 
-/// When a search that has found something has found everything: each service has shown its bench,
-/// and for a while no further service or no further bench has come.
+/// Decides when a search that has found something has found everything: each service has described
+/// its bench, and for a while no further service or bench has appeared.
 class Settling {
  public:
   explicit Settling(SearchClock::time_point begin) : services_(begin), benches_(begin) {}
 
   bool has_ended(const Sight& sight, SearchClock::time_point now);
 
-  /// @return when the search is to look again though nothing has changed: the next end of a while
-  ///         without a further service or bench; the last time that there is for none.
+  /// @return when the search must look again even if nothing changes: when the next of these waits
+  ///         ends; the largest time point if none is in progress.
   [[nodiscard]] SearchClock::time_point next_end(SearchClock::time_point now) const;
 
  private:
-  /// A number that changes while more are found.
+  /// A number that changes as more are found.
   class Count {
    public:
     explicit Count(SearchClock::time_point begin) : begin_(begin) {}

@@ -10,10 +10,11 @@ namespace {
 
 using std::chrono::milliseconds;
 
-// Samples of a bench whose ticks are published arrive every few milliseconds: its silence is
-// reported within 100 ms, also when the check itself is late.
+// Samples of a bench that publishes its ticks arrive every few milliseconds. With this limit,
+// silence is reported within 100 ms even if the check itself runs late.
 constexpr milliseconds kSilenceOfAStream{80};
-// One that stands still publishes its state 20 times a second: a lost sample is no silence.
+// A bench that stands still publishes its state 20 times a second: one lost sample is not a
+// silence.
 constexpr milliseconds kSilenceOfAState{250};
 
 milliseconds age(const SeenRun& run) {
@@ -80,7 +81,7 @@ std::vector<ServiceChange> ServiceWatch::changes(const Directory& directory,
   std::set<std::uint32_t> seen;
   for (const SeenRun& run : runs) {
     const std::uint32_t bench = run.key.number;
-    // Of two runs at once the earlier one keeps the number.
+    // Of two runs present at the same time, the earlier one keeps the number.
     if (is_there(run) && !seen.insert(bench).second) continue;
     const auto news = note(known_[bench], run);
     if (!news) continue;

@@ -11,11 +11,11 @@
 
 namespace vdrive::client {
 
-/// Finds out what became of services by wire::Presence. Time is an argument. Not
-/// thread-safe.
+/// Detects changes in the presence of services, from wire::Presence. Time is passed as an argument.
+/// Not thread-safe.
 class ServiceWatch {
  public:
-  /// @return what has changed since the last call, by bench.
+  /// @return the changes since the last call, by bench.
   [[nodiscard]] std::vector<ServiceChange> changes(const Directory& directory,
                                                    Directory::Clock::time_point now);
 
@@ -25,10 +25,11 @@ class ServiceWatch {
     bool is_there = false;
   };
 
-  /// @return what this run of a bench means for what is known of the bench.
+  /// Updates the knowledge about a bench from one of its runs.
+  /// @return the change, if any.
   static std::optional<ServiceNews> note(Known& known, const SeenRun& run);
 
-  /// Keeps the memory bounded by that of the directory.
+  /// Limits the memory to the benches that the directory knows.
   void forget_the_unknown(const std::vector<SeenRun>& runs);
 
   std::map<std::uint32_t, Known> known_;  ///< by bench

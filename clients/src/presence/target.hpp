@@ -19,28 +19,28 @@ struct Target {
   std::chrono::microseconds period{1000};
   std::uint32_t status_every_ticks = 1;
   double rate = 1.0;       ///< realtime: drive time over wall time
-  bool is_paused = false;  ///< drive time stands still, and with it the status stream
+  bool is_paused = false;  ///< drive time stands still, and so does the status stream
 
   [[nodiscard]] bool steps() const { return clock_mode == ClockMode::lockstep; }
 };
 
-/// @return the run of the service that this bench shows now.
+/// @return the present run of the service of this bench.
 [[nodiscard]] Target target_of(const PresentBench& bench);
 
-/// @return how messages call a bench and an axis: "bench 1", "axis 1.2".
+/// @return the names of a bench and of an axis in messages: "bench 1", "axis 1.2".
 [[nodiscard]] std::string name_of(const Target& target);
 [[nodiscard]] std::string name_of(const Target& target, std::uint16_t axis);
 
-/// @return why nothing moves there: "bench 1 is paused: rate 0".
+/// @return the reason for the standstill: "bench 1 is paused: rate 0".
 [[nodiscard]] std::string paused_text(const Target& target);
 
-/// @return the message that the run of the service has ended and that another run has begun.
+/// @return the message that the run of the service has ended and another one has begun.
 [[nodiscard]] std::string restarted_text(const Target& target);
 
 /// @return why a session without permission to command sent nothing.
 [[nodiscard]] Outcome not_permitted(const Target& target);
 
-/// @return why a whole request was refused.
+/// @return why a request was refused as a whole.
 /// @param what names the request, such as "read of axis 1.1"
 [[nodiscard]] Outcome refusal_of(const Target& target, const msg::Reply& reply,
                                  std::string_view what);

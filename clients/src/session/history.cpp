@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a bench remembers: snapshots, writes, windows.
+// The history kept by a bench: snapshots, writes, windows.
 #include "vdrive/client/history.hpp"
 
 #include "base/ask.hpp"
@@ -21,7 +21,7 @@ namespace {
 
 using wire::WrittenMark;
 
-/// A request about a bench as a whole, such as its saved states.
+/// Sends a request that concerns the complete bench, such as one about its saved states.
 /// @param what names the state, such as "snapshot 1"
 Result<RequestAnswer> exchange_with_bench(SessionCore& core, std::uint32_t bench,
                                           msg::Request request,
@@ -37,7 +37,7 @@ WrittenMark mark_of(const msg::ObjectResult& entry) {
   return static_cast<WrittenMark>(entry.subindex);
 }
 
-/// Takes a mark about the writes that follow.
+/// Applies a mark to the writes that follow it.
 void take_context(const msg::ObjectResult& mark, AxisWrite& next) {
   const auto value = static_cast<std::uint64_t>(mark.value);
   switch (mark_of(mark)) {
@@ -56,12 +56,12 @@ void take_context(const msg::ObjectResult& mark, AxisWrite& next) {
       next.means = AxisWrite::Means::bench;
       next.session = 0;
       break;
-    default:  // of another kind, or of a later version
+    default:  // of another kind, or from a later version
       break;
   }
 }
 
-/// @return what happened beside writes; nothing: the mark says something else.
+/// @return the event other than a write that the mark stands for; nothing if it is another mark.
 std::optional<AxisWrite::Kind> kind_of(WrittenMark mark) {
   switch (mark) {
     case WrittenMark::lost:
@@ -77,7 +77,7 @@ std::optional<AxisWrite::Kind> kind_of(WrittenMark mark) {
   }
 }
 
-/// @param next the tick and the author of what follows
+/// @param next the tick and the author of the following entries
 AxisWrite write_of(const msg::ObjectResult& entry, const AxisWrite& next) {
   AxisWrite write = next;
   write.axis = entry.axis;
@@ -137,7 +137,7 @@ KeptWindow window_of(const msg::Reply& reply) {
   return window;
 }
 
-/// @return what a mark says of a state after which a window goes on; nothing: it is another mark.
+/// @return the break that a mark stands for; nothing if it is another mark.
 std::optional<WindowBreak::Kind> break_of(WrittenMark mark) {
   switch (mark) {
     case WrittenMark::restored:
@@ -151,7 +151,7 @@ std::optional<WindowBreak::Kind> break_of(WrittenMark mark) {
   }
 }
 
-/// @return refused when there is no such window.
+/// @return refused if there is no such window.
 Result<KeptWindow> kept_window(SessionCore& core, std::uint32_t bench, std::uint64_t number) {
   const auto next = exchange_with_bench(core, bench, ask::next_window(number - 1), "windows");
   if (!next) return next.outcome();
@@ -162,11 +162,11 @@ Result<KeptWindow> kept_window(SessionCore& core, std::uint32_t bench, std::uint
       "bench " + std::to_string(bench) + " does not keep window " + std::to_string(number));
 }
 
-/// Waits until the bench has recorded a window to its end, where time passes by itself.
+/// Waits until the bench has recorded the end of a window, if its time passes without steps.
 Outcome wait_for_end(SessionCore& core, std::uint32_t bench, std::uint64_t number) {
   const auto target = core.links.connect(bench);
   if (!target) return target.outcome();
-  while (true) {  // a further cause makes it longer
+  while (true) {  // a further cause extends the window
     const auto kept = kept_window(core, bench, number);
     if (!kept || !kept->is_open || target->steps() || core.discovery.is_paused(target->key)) {
       return kept.outcome();
@@ -176,7 +176,7 @@ Outcome wait_for_end(SessionCore& core, std::uint32_t bench, std::uint64_t numbe
   }
 }
 
-/// Collects the pages of a window.
+/// Assembles the pages of a window.
 class WindowReader {
  public:
   void take(const RequestAnswer& page, std::size_t axes) {
@@ -228,7 +228,7 @@ class WindowReader {
     }
   }
 
-  /// Values follow. At the beginning of a window nothing breaks.
+  /// Starts a list of values. The beginning of a window is not a break.
   void take_state(std::optional<WindowBreak::Kind> kind) {
     are_values_ = true;
     const bool is_beginning = !std::exchange(has_begun_, true);
@@ -245,10 +245,10 @@ class WindowReader {
   }
 
   Window window_;
-  AxisWrite next_;             ///< tick and author of what follows
-  std::uint64_t session_ = 0;  ///< of the event that follows
-  bool has_begun_ = false;     ///< a state was shown
-  bool are_values_ = false;    ///< what follows are no writes
+  AxisWrite next_;             ///< tick and author of the following entries
+  std::uint64_t session_ = 0;  ///< of the next event
+  bool has_begun_ = false;     ///< a state has been received
+  bool are_values_ = false;    ///< the following entries are values, not writes
 };
 
 }  // namespace
@@ -286,7 +286,7 @@ Result<std::vector<KeptSnapshot>> Session::snapshots(std::uint32_t bench) {
     const std::uint64_t snapshot = kept.empty() ? 0 : kept.back().number;
     const auto next = exchange_with_bench(*core_, bench, ask::next_snapshot(snapshot));
     if (!next) return next.outcome();
-    // A service that counts back would never end the list.
+    // If a service counted backwards, the list would never end.
     if (next->snapshot <= snapshot) return kept;
     kept.push_back({.number = next->snapshot, .tick = next->tick});
   }
@@ -321,7 +321,7 @@ Result<std::vector<KeptWindow>> Session::windows(std::uint32_t bench) {
     const std::uint64_t number = kept.empty() ? 0 : kept.back().number;
     const auto next = exchange_with_bench(*core_, bench, ask::next_window(number), "windows");
     if (!next) return next.outcome();
-    if (next->snapshot <= number) return kept;  // 0; or one that counts back has no end
+    if (next->snapshot <= number) return kept;  // 0; counting backwards would never end
     kept.push_back(window_of(*next));
     if (kept.back().causes.empty()) return Outcome::failed("a window of the bench has no cause");
   }
@@ -346,7 +346,7 @@ Result<Window> Session::window(std::uint64_t number, std::span<const AxisId> axe
         exchange_with_bench(*core_, bench, ask::read_window(number, *numbers, place), what);
     if (!page) return page.outcome();
     reader.take(*page, numbers->size());
-    // A service that counts back would never end the window.
+    // If a service counted backwards, the window would never end.
     if (page->snapshot != 0 && page->snapshot <= place) {
       return Outcome::failed(what + ": the bench sends a page again");
     }

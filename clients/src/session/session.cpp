@@ -32,7 +32,8 @@ void require_own_process(const SessionCore& core) {
   if (Outcome here = core.discovery.check_process(); !here) throw OutcomeError(here);
 }
 
-/// The numbers of axes by bench, each once. @return not_found when one is not there.
+/// The numbers of axes by bench, each once.
+/// @return not_found if one is not there.
 Result<std::map<std::uint32_t, std::vector<std::uint16_t>>> find_by_bench(
     SessionCore& core, std::span<const AxisId> axes) {
   core.failure.rethrow();
@@ -47,7 +48,7 @@ Result<std::map<std::uint32_t, std::vector<std::uint16_t>>> find_by_bench(
   return numbers;
 }
 
-/// @return refused when an axis appears twice.
+/// @return refused if an axis appears twice.
 Outcome check_each_once(std::span<const AxisId> axes) {
   std::set<AxisId> seen;
   for (const AxisId& id : axes) {
@@ -58,9 +59,9 @@ Outcome check_each_once(std::span<const AxisId> axes) {
   return {};
 }
 
-/// @return failed when it is too short.
+/// @return failed if it is too short.
 Outcome check_period(std::chrono::milliseconds period) {
-  constexpr std::chrono::milliseconds kShortest{1};  // with 0 it would keep a processor busy
+  constexpr std::chrono::milliseconds kShortest{1};  // 0 would keep a processor busy
   if (period >= kShortest) return {};
   return Outcome::failed("the period of the reports is " + std::to_string(period.count()) +
                          " ms: it must be 1 ms or more");
@@ -96,7 +97,7 @@ msg::AxisCommand command_of(const SetPoint& point) {
   return command;
 }
 
-/// @return whether the mode in force takes the object as its set-point, or adds it as an offset.
+/// @return whether the mode in force uses the object as its set-point, or adds it as an offset.
 bool is_target(const ObjectValue& value) {
   const auto row = find_object(value.object);
   if (!row) return false;
@@ -104,7 +105,7 @@ bool is_target(const ObjectValue& value) {
   return change == Change::target || change == Change::planned_target || change == Change::record;
 }
 
-/// @return whether the axis may run from then on.
+/// @return whether the axis may keep running after this.
 bool sets_in_motion(const SetPoint& point) {
   return point.position || point.velocity || point.torque ||
          std::ranges::any_of(point.objects, is_target);
@@ -120,7 +121,8 @@ FrameContent content_of(const SetPointFrame& frame, std::span<const SetPoint> ax
   return content;
 }
 
-/// Adds the frame in parts that a bench takes. One without axes is a part, too: a keep-alive.
+/// Adds the frame in parts that a bench accepts. A frame without axes is one part too: a
+/// keep-alive.
 void add_contents(const SetPointFrame& frame, std::vector<FrameContent>& contents) {
   const std::size_t first = contents.size();
   std::span<const SetPoint> left(frame.axes);
@@ -249,7 +251,7 @@ Result<std::uint64_t> Session::step(std::uint32_t bench, std::uint64_t ticks) {
 }
 
 bool Session::steps_at_once(std::uint32_t bench, std::uint64_t ticks) const {
-  if (!core_->discovery.check_process()) return true;  // step() says so
+  if (!core_->discovery.check_process()) return true;  // step() reports it
   const auto target = core_->discovery.present_target(bench);
   return target && core_->clocks.steps_at_once(*target, ticks);
 }

@@ -76,7 +76,7 @@ SessionCore::SessionCore(const SessionOptions& chosen)
 
 void SessionCore::end() {
   if (!discovery.check_process()) return;
-  // What reports to the program ends first, then what sends: a report may begin a call, and the
+  // First end the reports to the program, then the senders: a report may start a call, and the
   // release needs the links.
   reports.end();
   clocks.leave_all();
@@ -87,7 +87,7 @@ void SessionCore::end() {
 
 void SessionCore::abandon() noexcept {
   if (!discovery.check_process()) return;
-  // In this order: a call that waits must not send again what was not answered.
+  // In this order, so that a waiting call does not repeat unanswered messages.
   links.close();
   clocks.abandon();
   wakeup.interrupt();

@@ -24,18 +24,19 @@
 
 namespace vdrive::client {
 
-/// What is behind a Session: its parts, each with the state that is its own. A part uses parts
-/// above it only. Handlers of the wire fill the state and wake the calls that wait.
+/// The implementation of a Session: its parts, each with its own state. A part uses only parts
+/// declared above it. Handlers of the wire update the state and wake the calls that wait.
 class SessionCore : public std::enable_shared_from_this<SessionCore> {
  public:
-  /// @throws what Session throws
+  /// @throws as Session does
   explicit SessionCore(const SessionOptions& chosen);
 
-  /// The session ends: gives all axes back, and no handle that is left sends anything. In a forked
-  /// process nothing ends: the session is its parent's.
+  /// Ends the session: releases all axes; remaining handles send nothing. In a forked process this
+  /// does nothing, because the session belongs to the parent.
   void end();
 
-  /// The session ends as if its program were killed: it sends nothing more and gives nothing back.
+  /// Ends the session as if its program had been killed: it sends nothing more and releases
+  /// nothing.
   void abandon() noexcept;
 
   /// Observes `axes` tick by tick.
@@ -65,7 +66,7 @@ class SessionCore : public std::enable_shared_from_this<SessionCore> {
   ReportThread status_reports;  ///< of Session::on_status
 };
 
-/// @return the numbers of axes that share a bench; not_found where they do not, or there is none.
+/// @return the numbers of axes that share a bench; not_found if they do not, or if there are none.
 [[nodiscard]] Result<std::vector<std::uint16_t>> numbers_of(std::span<const AxisId> axes);
 
 }  // namespace vdrive::client

@@ -22,7 +22,7 @@ constexpr std::uint64_t kTicksPerRound = 2000;
 
 struct Member {
   Target target;
-  std::uint64_t begin = 0;  ///< tick at which the step that is not finished began
+  std::uint64_t begin = 0;  ///< tick at which the unfinished step began
   std::uint64_t aim = 0;    ///< tick at which it ends
 };
 
@@ -37,8 +37,8 @@ struct StepClock::State {
   std::shared_ptr<SessionCore> core;
   std::vector<Member> members;
   std::atomic<nanoseconds::rep> now = 0;
-  TurnMutex steps;             ///< orders the steps of threads; guards the ticks of the members
-  bool is_unfinished = false;  ///< likewise
+  TurnMutex steps;  ///< puts the steps of threads in order; guards the ticks of the members
+  bool is_unfinished = false;  ///< guarded by `steps`
 
   explicit State(std::shared_ptr<SessionCore> session) : core(std::move(session)) {}
 
@@ -75,7 +75,8 @@ Outcome StepClock::State::add(std::uint32_t bench, std::uint32_t steppers) {
   return {};
 }
 
-/// A step that timed out continues from where it began, a new one from where each bench is.
+/// A step that timed out continues from where it began; a new one starts from the present tick of
+/// each bench.
 void StepClock::State::begin_step() {
   for (Member& member : members) {
     const auto grant = core->clocks.grant_of(member.target.key);
@@ -89,7 +90,7 @@ std::uint64_t StepClock::State::reached_by(const Member& member) const {
   return grant ? grant->reached : member.begin;
 }
 
-/// @return the benches that have not reached their aim, and where they are; empty when all have.
+/// @return the benches that have not reached their aim, and their ticks; empty if all have.
 std::string StepClock::State::late_members() const {
   std::string late;
   for (const Member& member : members) {
@@ -101,7 +102,7 @@ std::string StepClock::State::late_members() const {
   return late;
 }
 
-/// Grants up to `ticks` more towards each aim on all benches, then waits for all.
+/// Grants up to `ticks` more towards the aim on all benches, then waits for all of them.
 Outcome StepClock::State::round(std::uint64_t ticks, Clock::time_point deadline) {
   std::vector<PendingStep> steppings;
   for (const Member& member : members) {
@@ -129,7 +130,7 @@ Outcome StepClock::State::step_to_aims(Clock::time_point deadline) {
     if (Outcome passed = round(kTicksPerRound, deadline); !passed) return passed;
     const std::string late = late_members();
     if (late.empty()) return {};
-    // The bench of a process may answer each round at once, so that no wait of it ends.
+    // Checked here, because a bench in this process may answer so fast that no wait is interrupted.
     if (core->wakeup.is_interrupted()) return Outcome::failed("interrupted");
     if (Clock::now() >= deadline) return Outcome::timed_out(late);
   }

@@ -16,14 +16,14 @@
 namespace vdrive::client {
 namespace {
 
-// A change is reported within 100 ms: the silence that shows it takes 80 ms, see service_watch.cpp.
+// Changes are reported within 100 ms: detecting silence takes 80 ms of that, see service_watch.cpp.
 constexpr std::chrono::milliseconds kWatchPeriod{5};
 
-// Events that wait for the program; of more the oldest are dropped. There is room for all that a
-// bench keeps.
+// Capacity for events waiting for the program; beyond it, the oldest are dropped. There is room for
+// all events that a bench keeps.
 constexpr std::size_t kMostEvents = kEventKinds.size() * EventFilter::kRemembered + 4'096;
 
-// The first sample of a bench, which has its tick, may come after its first event.
+// The first sample of a bench, which contains its tick, may arrive after its first event.
 constexpr std::chrono::milliseconds kMeetPeriod{5};
 
 Event event_of(const msg::Event& message) {
@@ -39,7 +39,7 @@ Event event_of(const msg::Event& message) {
           .text = message.text.to_string()};
 }
 
-// A program may count them: 256 frames of 256 values each fit.
+// A program may count them: room for 256 frames of 256 values each.
 constexpr std::size_t kMostRefusals = 65'536;
 
 using Clock = Discovery::Clock;
@@ -54,8 +54,8 @@ bool shows_the_same(const AxisSnapshot& one, const AxisSnapshot& other) {
 
 }  // namespace
 
-/// What waits for the thread that reports it to the program: a thread that delivers samples puts it
-/// here and waits for nothing. Of more than `most` the oldest are dropped. Thread-safe.
+/// Items waiting for the thread that reports them to the program: a thread that delivers samples
+/// adds them without waiting. Beyond `most`, the oldest are dropped. Thread-safe.
 template <typename Item>
 class ReportQueue {
  public:
@@ -69,7 +69,8 @@ class ReportQueue {
     changed_.notify_all();
   }
 
-  /// Waits for an item. @return the oldest; nothing once a stop is requested.
+  /// Waits for an item.
+  /// @return the oldest; nothing once a stop is requested.
   std::optional<Item> next(const std::stop_token& stop) {
     std::unique_lock lock(mutex_);
     const bool has_one = changed_.wait(lock, stop, [this] {
@@ -79,7 +80,7 @@ class ReportQueue {
     return items_.take();
   }
 
-  /// Drops what waits.
+  /// Drops the waiting items.
   void clear() {
     const std::scoped_lock lock(mutex_);
     items_.clear();
@@ -121,17 +122,17 @@ void ServiceWatcher::watch(std::function<void(const ServiceChange&)> observer) {
 
 // ---- events ----------------------------------------------------------------------------------
 
-/// What one thread reports; it and the call that starts it own it.
+/// The state of one reporting thread, owned by the thread and by the call that starts it.
 struct EventWatcher::Watch {
   EventHistory history = EventHistory::left_out;
-  EventFilter filter;  ///< of the thread
+  EventFilter filter;  ///< used by the thread only
   ReportQueue<msg::Event> queue{kMostEvents};
-  /// Declared last: its end waits for the handler, which uses the queue.
+  /// Declared last: its destructor waits for the handler, which uses the queue.
   std::unique_ptr<wire::Subscription<msg::Event>> subscription;
 };
 
 void EventWatcher::watch(std::function<void(const Event&)> observer, EventHistory history) {
-  thread_.stop();  // ends the last watch
+  thread_.stop();  // ends the previous watch
   if (!observer) return;
   const auto watch = std::make_shared<Watch>();
   watch->history = history;
@@ -141,13 +142,13 @@ void EventWatcher::watch(std::function<void(const Event&)> observer, EventHistor
                                          ? 0
                                          : observer_.first_tick_of_stream(target_of(bench), axis));
   }
-  // Before the subscription, whose history arrives at once.
+  // Before the subscription, whose history arrives immediately.
   thread_.start([this, watch, observe = std::move(observer)](const std::stop_token& stop) {
     failure_.run([&] {
       run(*watch, stop, observe);
     });
   });
-  // Ends with this call, when the thread has not started or is over already.
+  // Dropped with this call if the thread has not started or has already ended.
   watch->subscription = std::make_unique<wire::Subscription<msg::Event>>(
       participant_,
       [this, its = watch.get()](const msg::Event& message, const wire::Source& /*source*/) {
@@ -168,8 +169,8 @@ void EventWatcher::run(Watch& watch, const std::stop_token& stop,
   }
 }
 
-/// Events of a bench that is met now begin at its present tick, which a sample of it has.
-/// @return false when no sample comes: the run has ended.
+/// When a bench is met, its events start at its present tick, which a sample contains.
+/// @return false if no sample arrives: the run has ended.
 bool EventWatcher::meet(const BenchKey& key, Watch& watch, const std::stop_token& stop) const {
   const auto deadline = Discovery::Clock::now() + kPresence;
   while (!discovery_.is_alive(key, kPresence)) {
@@ -191,7 +192,7 @@ RefusalWatcher::RefusalWatcher(BenchLinks& links, ObserverFailure& failure, Repo
 
 void RefusalWatcher::watch(std::function<void(const SetPointRefusal&)> observer) {
   links_.watch_refusals({});
-  thread_.stop();  // ends the last watch
+  thread_.stop();  // ends the previous watch
   if (!observer) return;
   waiting_->queue.clear();
   thread_.start(
@@ -200,24 +201,25 @@ void RefusalWatcher::watch(std::function<void(const SetPointRefusal&)> observer)
           while (const auto refusal = waiting->queue.next(stop)) observe(*refusal);
         });
       });
-  // Not this object: the links outlive it, and replies arrive until they end.
+  // Must not capture `this`: the links outlive this object, and replies arrive until they end.
   links_.watch_refusals([waiting = waiting_](const SetPointRefusal& refusal) {
     waiting->queue.put(refusal);
   });
 }
 
-// ---- what axes show --------------------------------------------------------------------------
+// ---- status of axes
+// ------------------------------------------------------------------------------
 
 /// The axes of one bench.
 struct StatusWatcher::Bench {
-  BenchKey key;  ///< the run that is followed; incarnation 0 = none yet
+  BenchKey key;  ///< the run being followed; incarnation 0 = none yet
   std::vector<std::uint16_t> axes;
-  std::shared_ptr<StatusFeed> feed;  ///< none until the bench is there
+  std::shared_ptr<StatusFeed> feed;  ///< none until the bench is present
   std::optional<Clock::time_point> absent_since;
   std::optional<Observation> shown;  ///< of this run
 };
 
-/// What one thread reports.
+/// The state of one reporting thread.
 struct StatusWatcher::Watch {
   std::chrono::milliseconds period;
   Report report;
@@ -225,7 +227,7 @@ struct StatusWatcher::Watch {
   std::vector<Bench> benches;
 };
 
-/// Follows the run of the service that is there now: a service that restarts is another run.
+/// Follows the present run of the service: after a restart that is another run.
 bool StatusWatcher::follow(Bench& bench, const Watch& watch, const std::stop_token& stop) const {
   if (const std::optional<Target> target = discovery_.continuation_of(bench.key)) {
     bench.absent_since.reset();
@@ -241,8 +243,8 @@ bool StatusWatcher::follow(Bench& bench, const Watch& watch, const std::stop_tok
   return false;
 }
 
-/// A bench whose time stands repeats its state. It shows another one in the same tick when a
-/// snapshot was restored or an axis has another owner.
+/// A bench whose time stands still repeats its state. The state changes within the same tick only
+/// if a snapshot was restored or an axis has another owner.
 void StatusWatcher::show(Bench& bench, const Observation& seen, const Report& report) {
   if (bench.shown && seen.tick < bench.shown->tick) return;
   if (bench.shown && seen.tick == bench.shown->tick &&
@@ -253,11 +255,12 @@ void StatusWatcher::show(Bench& bench, const Observation& seen, const Report& re
   report(seen);
 }
 
-/// @return what the axes show now, in lock-step: while nobody steps no frame comes.
+/// @return the present state of the axes in lock-step, because no frame arrives until somebody
+///         steps.
 std::optional<Observation> StatusWatcher::begin(Bench& bench, const Target& target) const {
   bench.key = target.key;
   bench.shown.reset();
-  bench.feed = stream_.open_feed(target, bench.axes);  // first: no tick is missed
+  bench.feed = stream_.open_feed(target, bench.axes);  // first, so that no tick is missed
   if (!target.steps()) return std::nullopt;
   auto shown = observer_.observe(target, bench.axes);
   if (!shown) return std::nullopt;
@@ -274,7 +277,7 @@ void StatusWatcher::run(Watch& watch, const std::stop_token& stop) const {
   work_periodically(stop, [&]() -> std::optional<std::chrono::milliseconds> {
     const bool continues = failure_.run([&] {
       std::erase_if(watch.benches, [&](Bench& bench) {
-        // A report may end its reports: none of another bench comes after it.
+        // A report may end its reports: then no other bench is reported after it.
         return !stop.stop_requested() && !follow(bench, watch, stop);
       });
     });

@@ -25,10 +25,10 @@
 
 namespace vdrive::client {
 
-// What a session reports to the program, each in a thread of its own: the threads that deliver must
-// not wait for a program that commands axes. All are thread-safe.
+// The reports of a session to the program, each on its own thread: the threads that deliver
+// messages must not wait for a program that commands axes. All classes are thread-safe.
 
-/// What becomes of services: Session::watch_services.
+/// Changes in the presence of services: Session::watch_services.
 class ServiceWatcher {
  public:
   ServiceWatcher(const Discovery& discovery, StatusStream& stream, ObserverFailure& failure,
@@ -72,7 +72,7 @@ class EventWatcher {
   ReportThread thread_;
 };
 
-/// The values of set-points that drives refuse: Session::on_set_point_refusal.
+/// Refused values of set-points: Session::on_set_point_refusal.
 class RefusalWatcher {
  public:
   RefusalWatcher(BenchLinks& links, ObserverFailure& failure, ReportThreads& threads);
@@ -84,12 +84,13 @@ class RefusalWatcher {
 
   BenchLinks& links_;
   ObserverFailure& failure_;
-  /// Of all watches: whichever thread remains of two that begin at once has what arrives.
+  /// Shared by all watches: if two start at the same time, the remaining thread gets everything
+  /// that arrives.
   std::shared_ptr<Waiting> waiting_;
   ReportThread thread_;
 };
 
-/// What axes show: Session::on_status, Session::report_status.
+/// States of axes: Session::on_status, Session::report_status.
 class StatusWatcher {
  public:
   using Report = std::function<void(const Observation&)>;
@@ -99,7 +100,7 @@ class StatusWatcher {
                 ObserverFailure& failure)
       : discovery_(discovery), stream_(stream), observer_(observer), failure_(failure) {}
 
-  /// Reports in this thread.
+  /// Reports on this thread.
   /// @param axes by bench
   void watch(ReportThread& thread, const std::map<std::uint32_t, std::vector<std::uint16_t>>& axes,
              std::chrono::milliseconds period, Report report, Ended ended) const;

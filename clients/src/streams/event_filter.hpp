@@ -12,14 +12,14 @@
 
 namespace vdrive::client {
 
-/// Which events are new. A reader gets the last 1,024 events of a bench when it joins, and again
-/// when the network process of its service restarts. Not thread-safe.
+/// Passes new events only. A reader gets the last 1,024 events of a bench when it joins, and again
+/// when the wire process of its service restarts. Not thread-safe.
 class EventFilter {
  public:
   /// As many as a service sends again.
   static constexpr std::size_t kRemembered = 1'024;
 
-  /// Events of this run before `tick` are history.
+  /// Starts a run: its events before `tick` are history.
   void begin(const BenchKey& key, std::uint64_t tick) {
     // An earlier run of the bench sends no more events.
     std::erase_if(runs_, [&key](const auto& item) {
@@ -30,7 +30,7 @@ class EventFilter {
 
   [[nodiscard]] bool knows(const BenchKey& key) const { return runs_.contains(key); }
 
-  /// @return whether the event of a known run is neither history nor known.
+  /// @return whether the event belongs to a known run and is neither history nor a repetition.
   [[nodiscard]] bool passes(const msg::Event& event) {
     const auto found = runs_.find({event.bench, event.incarnation});
     if (found == runs_.end() || event.tick < found->second.first_tick) return false;

@@ -9,10 +9,10 @@
 namespace vdrive::client {
 namespace {
 
-// Four seconds at the usual period; a reader that takes none for longer misses the oldest.
+// Four seconds at the usual period; a reader that is slower than that misses the oldest.
 constexpr std::size_t kCapacity = 4096;
 
-// One grows, one is at its reader, some arrive while the reader is late.
+// One is being filled, one is in use by its reader, some arrive while the reader is late.
 constexpr std::size_t kMostSpares = 8;
 
 }  // namespace
@@ -66,8 +66,9 @@ bool StatusFeed::on_frame(const wire::StatusFrameView& frame) {
   const wire::StatusFrameHead& head = frame.head();
   if (head.bench != key_.number || head.incarnation != key_.incarnation) return false;
   if (head.tick < growing_.tick) return false;
-  const bool has_begun = growing_.axes.size() == count_;  // not before the first frame: tick 0 too
-  // A complete tick that comes again is a bench whose time stands: one more sample.
+  const bool has_begun = growing_.axes.size() == count_;  // so that tick 0 starts too
+  // A complete tick that is received again comes from a bench whose time stands still: one more
+  // sample.
   if (head.tick > growing_.tick || seen_count_ == count_ || !has_begun) start(head.tick);
   for (std::size_t position = 0; position < frame.size(); ++position) {
     const std::size_t number = frame.number(position);
@@ -96,7 +97,7 @@ void StatusFeed::start(std::uint64_t tick) {
     growing_.axes = std::move(spares_.back());
     spares_.pop_back();
   }
-  growing_.axes.resize(count_);  // of a spare all are written again, before anybody sees them
+  growing_.axes.resize(count_);  // entries of a spare are all overwritten later
   seen_.assign(count_, false);
   seen_count_ = 0;
 }
@@ -119,7 +120,7 @@ void StatusFeed::count_gap(Observation& sample, const RunTime& time) {
     sample.missed = run == 0 ? 0 : (run - 1) / status_every_ticks_;
   }
   last_ = time;
-  if (skipped_ == 0) return;  // as every sample begins
+  if (skipped_ == 0) return;  // every sample starts with 0
   for (AxisSnapshot& axis : sample.axes) axis.skipped = skipped_;
 }
 

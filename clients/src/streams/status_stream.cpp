@@ -12,7 +12,7 @@
 namespace vdrive::client {
 namespace {
 
-// Axis samples of a large bench take turns.
+// Allows for a large bench, whose axis samples are sent in turn.
 constexpr Patience kFirstSampleOfAll{std::chrono::milliseconds(5000), true};
 
 }  // namespace
@@ -35,7 +35,8 @@ void StatusStream::subscribe() {
   });
 }
 
-/// In the library's buffer: a thousand axes a millisecond are read once and copied nowhere else.
+/// Works in the library's buffer: with a thousand axes per millisecond, samples are read once and
+/// copied nowhere else.
 void StatusStream::take(std::span<const std::byte> sample) {
   taken_.reset();
   const auto frame = wire::StatusFrameView::of(sample);
@@ -43,7 +44,7 @@ void StatusStream::take(std::span<const std::byte> sample) {
   taken_ = frame->head();
   is_news_ = taken_->part + 1 >= taken_->parts;
   if (frame->size() == 0) return;
-  std::optional<AxisRange> range;  // a session that only watches services has no feed
+  std::optional<AxisRange> range;  // empty for a session that only watches services and has no feed
   const std::scoped_lock lock(mutex_);
   for (const auto& weak : feeds_) {
     const auto feed = weak.lock();
@@ -57,7 +58,8 @@ void StatusStream::deliver(const wire::Source& source) {
   if (!taken_) return;
   discovery_.note_frame({taken_->bench, taken_->incarnation}, {taken_->tick, taken_->skipped_ticks},
                         source);
-  // Not for each part of a tick: who waits would run for nothing, beside the thread that receives.
+  // Not for each part of a tick: waiting threads would wake for nothing, and compete with the
+  // receiving one.
   if (is_news_) wakeup_.notify();
 }
 
@@ -118,8 +120,8 @@ std::optional<Observation> StatusStream::take_newest(StatusFeed& feed) {
 Result<Observation> StatusStream::next_samples(const Target& target,
                                                std::span<const std::uint16_t> axes) {
   std::mutex mutex;
-  std::map<std::uint16_t, msg::AxisStatus> seen;  // guarded by that mutex
-  // Declared last: its end waits for the handler, which uses both.
+  std::map<std::uint16_t, msg::AxisStatus> seen;  // guarded by `mutex`
+  // Declared last: its destructor waits for the handler, which uses both.
   const wire::Subscription<msg::AxisStatus> samples(
       participant_, [&](const msg::AxisStatus& message, const wire::Source& source) {
         if (message.bench != target.key.number) return;

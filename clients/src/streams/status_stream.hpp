@@ -20,22 +20,23 @@
 
 namespace vdrive::client {
 
-/// What benches publish about their axes: status frames, tick by tick, and axis samples, now and
-/// then. Thread-safe.
+/// The status that benches publish of their axes: status frames, tick by tick, and axis samples, at
+/// intervals. Thread-safe.
 class StatusStream {
  public:
   StatusStream(wire::Participant& participant, Discovery& discovery, BenchLinks& links,
                Wakeup& wakeup);
 
-  /// Receives status frames from now on; without that a session does not load the network.
+  /// Receives status frames from now on; before that, the session puts no load on the network.
   void subscribe();
 
-  /// Starts to collect the status stream for `axes`; ends with the last pointer to it.
-  /// @param first_tick frames of earlier ticks are left out
+  /// Starts collecting the status stream for `axes`; ends when the last pointer to the feed is
+  /// gone.
+  /// @param first_tick frames of earlier ticks are ignored
   std::shared_ptr<StatusFeed> open_feed(const Target& target, std::vector<std::uint16_t> axes,
                                         std::uint64_t first_tick = 0);
 
-  /// @return whether next() would have one at once.
+  /// @return whether next() would return a sample immediately.
   [[nodiscard]] bool has_next(const StatusFeed& feed) const;
 
   /// Waits for the next sample of a feed, which takes the memory of `sample` in return.
@@ -45,12 +46,12 @@ class StatusStream {
   /// Waits for the next sample of a feed.
   Result<Observation> next(const Target& target, StatusFeed& feed, const Patience& patience);
 
-  /// Does not wait. @return the newest sample of a feed, with the samples lost and the ticks
-  /// skipped
-  ///         since the one that was taken last; nothing where no other has come.
+  /// Does not wait.
+  /// @return the newest sample of a feed, with the samples lost and the ticks skipped since the
+  ///         last one taken; nothing if no other has arrived.
   std::optional<Observation> take_newest(StatusFeed& feed);
 
-  /// Waits for an axis sample of each of these axes: a bench sends them also while its time stands
+  /// Waits for an axis sample of each of these axes; a bench also sends them while its time stands
   /// still.
   Result<Observation> next_samples(const Target& target, std::span<const std::uint16_t> axes);
 
@@ -62,10 +63,10 @@ class StatusStream {
   Discovery& discovery_;
   BenchLinks& links_;
   Wakeup& wakeup_;
-  mutable std::mutex mutex_;  ///< guards the feeds and what they collect
+  mutable std::mutex mutex_;  ///< guards the feeds and their contents
   std::vector<std::weak_ptr<StatusFeed>> feeds_;
   std::once_flag subscribed_;
-  std::optional<wire::StatusFrameHead> taken_;  ///< of the frame that `deliver` names the sender of
+  std::optional<wire::StatusFrameHead> taken_;  ///< of the frame that deliver() handles next
   bool is_news_ = false;  ///< that frame ends a tick or completes a sample of a feed
   std::unique_ptr<wire::SampleReader> reader_;
 };

@@ -13,8 +13,7 @@ namespace vdrive::client {
 /// Transitions that EachCommand::enable may use.
 struct EnablingWay {
   bool resets_fault = false;  ///< leave Fault by a fault reset
-  bool keeps_power =
-      false;  ///< leave Quick stop active by transition 16, which not every drive has
+  bool keeps_power = false;   ///< leave Quick stop active by transition 16, if the drive has it
 };
 
 /// The controlwords (6040h) of a command.

@@ -32,9 +32,8 @@ struct AxisWrite {
   std::uint64_t session = 0;  ///< 0 = from a program without a session, or from the bench
   ObjectAddress object{};
   std::int64_t value = 0;
-  std::uint32_t reason =
-      0;  ///< of a refusal: a reason of the wire contract or a CiA 301 abort code; 0 = accepted
-  bool is_late = false;  ///< refused because its tick had passed
+  std::uint32_t reason = 0;  ///< of a refusal: wire reason or CiA 301 abort code; 0 = accepted
+  bool is_late = false;      ///< refused because its tick had passed
 };
 
 /// The next writes to a bench.

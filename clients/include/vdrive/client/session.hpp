@@ -131,8 +131,7 @@ struct SetPoint {
 struct SetPointFrame {
   std::uint64_t tick = 0;      ///< 0 = the next
   bool drops_waiting = false;  ///< first drop this session's frames that are waiting for their tick
-  std::vector<SetPoint>
-      axes{};  ///< each once; more than kMostAxesAtOnce are sent in several frames
+  std::vector<SetPoint> axes{};  ///< each once; more than kMostAxesAtOnce need several frames
 };
 
 /// A value in a set-point that the drive refused: the object keeps its old value.

@@ -25,10 +25,9 @@ struct SessionName {
 
 /// The session that holds an axis that a call was refused for, or that this session has lost.
 struct AxisOwner {
-  AxisId axis{};              ///< 0.0 = the bench did not name one
-  std::uint64_t session = 0;  ///< not 0
-  std::optional<SessionName>
-      name{};  ///< nothing: its program does not state one, or it did not arrive
+  AxisId axis{};                      ///< 0.0 = the bench did not name one
+  std::uint64_t session = 0;          ///< not 0
+  std::optional<SessionName> name{};  ///< nothing: not stated, or it did not arrive
 
   friend bool operator==(const AxisOwner&, const AxisOwner&) = default;
 };
