@@ -54,8 +54,8 @@ Configuration read(const BenchOptions& options) {
   return configuration;
 }
 
-/// A bench in a process has no network: a key that asks for one is a mistake, not to be ignored.
-/// @param where begins the message: the file, or nothing
+/// A bench in a process has no network: a network setting is an error, and is not silently ignored.
+/// @param where start of the message: the file, or nothing
 void refuse_network(const Configuration& configuration, const std::string& where) {
   const wire::NetworkSettings defaults;
   const wire::NetworkSettings& network = configuration.network;
@@ -77,7 +77,7 @@ void refuse_network(const Configuration& configuration, const std::string& where
   if (network.domain != defaults.domain) refuse("network.domain");
 }
 
-/// @throws BenchError where two options say which axes there are
+/// @throws BenchError if two options specify the axes
 void refuse_two_kinds_of_axes(const BenchOptions& options) {
   if (options.axis_configurations.empty()) return;
   if (options.axes || !options.preset.empty()) {
@@ -94,7 +94,7 @@ std::vector<service::NamedAxis> axes_of(const std::vector<AxisConfiguration>& co
   return axes;
 }
 
-/// What is not from a file was not tried yet: the bank knows rules that no single value shows.
+/// Checks axes that do not come from a file: the bank has rules that involve several values.
 /// @throws BenchError
 void try_axes(const Configuration& configuration) {
   for (const service::NamedAxis& axis : configuration.axes) {
@@ -131,7 +131,7 @@ Configuration configuration_of(const BenchOptions& options) {
   return configuration;
 }
 
-/// @throws BenchError instead of any other exception
+/// @throws BenchError in place of any other exception
 template <typename Function>
 auto with_bench_errors(Function function) {
   try {
@@ -153,11 +153,11 @@ service::JournalSink journal_of(const BenchOptions& options) {
   return options.journal.empty() ? nullptr : service::open_journal(options.journal.string());
 }
 
-/// The wire that is none: what leaves the engine goes to the local bus in the thread that writes
-/// it, and what arrives comes in the thread of the session that sends it.
+/// A wire without a network: output of the engine goes to the local bus on the thread that writes
+/// it, and input arrives on the thread of the session that sends it.
 class LocalWire final : public service::BenchWire {
  public:
-  /// @param configuration its network names the bus
+  /// @param configuration its network settings name the bus
   /// @throws wire::NetworkError when another bench on the bus has the number
   LocalWire(const Configuration& configuration, service::Counters& counters)
       : region_(service::wire_settings(configuration), service::WireRegion::Sharing::none),
@@ -177,7 +177,7 @@ class LocalWire final : public service::BenchWire {
     counters_.wire_is_up.set(1);
   }
 
-  /// The bus knows whether a number is taken.
+  /// No time: the bus already knows whether a number is taken.
   [[nodiscard]] std::chrono::milliseconds time_to_meet_others() const noexcept override {
     return std::chrono::milliseconds{0};
   }
@@ -193,7 +193,7 @@ class LocalWire final : public service::BenchWire {
 
 }  // namespace
 
-/// In the order of construction: nobody works for a bench that has ended.
+/// Members in order of construction, so that nothing works for a bench that has ended.
 class Bench::Parts {
  public:
   Parts(Configuration configuration, service::JournalSink journal,
@@ -215,11 +215,11 @@ class Bench::Parts {
                                            [this] {
                                              return run_.has_room();
                                            }});
-    bus_->run_work(number());  // of sessions that have found the bench already
+    bus_->run_work(number());  // of sessions that have already found the bench
   }
 
   ~Parts() {
-    run_.begin_end();  // first: a step that is under way must not make the end wait
+    run_.begin_end();  // first, so that a step in progress does not delay the end
     work_.reset();
   }
 
