@@ -6,10 +6,10 @@
 #include <string_view>
 #include <tuple>
 
-/// The fields of the messages of the status, as they are written and read.
+/// The fields of the status messages, for writing and reading.
 namespace vdrive::bridge {
 
-/// Calls `visit(name, member)` for each member of the status that is on the network.
+/// Calls `visit(name, member)` for each published member of the status.
 template <typename Visit>
 void for_each_published_member(const Visit& visit) {
   const auto visit_one = [&](const auto& field) {
@@ -22,8 +22,8 @@ void for_each_published_member(const Visit& visit) {
       kStatusFields);
 }
 
-/// Calls `visit(name, field_of)` for each field that a message of the status has of an axis;
-/// `field_of(axis)` is that of a client::AxisSnapshot.
+/// Calls `visit(name, field_of)` for each field per axis of a status message; `field_of(axis)`
+/// returns that field of a client::AxisSnapshot.
 template <typename Visit>
 void for_each_axis_field(const Visit& visit) {
   visit(

@@ -12,23 +12,23 @@
 
 namespace vdrive::bridge {
 
-/// What waits to be asked of the drive of one axis, in order. Bounded, and what was asked for last
-/// reaches the drive: where a world asks faster than a bench answers, a job that changes the drive
-/// takes the place of the oldest one of its kind.
+/// Jobs waiting for the drive of one axis, in order. Bounded, and the latest request always reaches
+/// the drive: if requests arrive faster than a bench answers, a job that changes the drive replaces
+/// the oldest one of its kind.
 class AxisJobs {
  public:
-  /// kAccess, or a kind of jobs that change the drive, whose numbers the bridge chooses.
+  /// kAccess, or a kind of jobs that change the drive; the bridge chooses the numbers.
   using Kind = std::uint8_t;
 
-  /// Has an answer, and is refused where too many wait.
+  /// Jobs that have an answer; refused if too many are waiting.
   static constexpr Kind kAccess = 0;
 
   using Job = std::function<void()>;
 
-  /// Jobs that may wait, and one more of each kind that changes the drive.
+  /// Waiting jobs; in addition, one of each kind that changes the drive.
   static constexpr std::size_t kMost = 64;
 
-  /// @return false when the job was refused.
+  /// @return false if the job was refused.
   [[nodiscard]] bool add(Kind kind, Job job) {
     if (jobs_.size() >= kMost) {
       if (kind == kAccess) return false;
@@ -39,7 +39,8 @@ class AxisJobs {
     return true;
   }
 
-  /// @return the oldest job. @pre there is one
+  /// @return the oldest job.
+  /// @pre there is one
   [[nodiscard]] Job take() {
     ensure(!jobs_.empty(), "a job waits");
     Job job = std::move(jobs_.front().job);

@@ -18,7 +18,7 @@ BenchControl::BenchControl(client::Session& session, Reports& reports,
 std::optional<client::Observation> BenchControl::keep(std::span<const client::AxisSnapshot> axes) {
   auto held = keeper_.keep(axes, ControlKeeper::Clock::now());
   if (held) {
-    // The state of a paused bench names no owner, and it was asked a moment ago.
+    // The state of a paused bench contains no owner, but control was just acquired.
     for (client::AxisSnapshot& axis : held->axes) {
       if (!axis.has_owner) axis.owner_session = session_.id();
     }

@@ -12,20 +12,20 @@
 
 namespace vdrive::bridge {
 
-/// Keeps control of all axes of a bench for a session. want() is for any thread, keep() for the
-/// one that may wait for the bench.
+/// Keeps control of all axes of a bench for a session. want() may be called from any thread, keep()
+/// only from the one that may wait for the bench.
 class BenchControl final : private ControlledBench {
  public:
   struct Options {
-    std::string label;  ///< what reports call the bench
+    std::string label;  ///< name of the bench in reports
     ControlRemedies remedies{};
-    /// Nobody can ask for control: it is wanted from the beginning, and comes back by itself after
-    /// a loss, as at a real drive whose local operator leaves.
+    /// For bridges in which nobody can ask for control: control is wanted from the beginning and is
+    /// regained after a loss, like on a real drive whose local operator leaves.
     bool is_automatic = false;
   };
 
-  /// @param session, reports outlive this
-  /// @param axes all of a bench
+  /// @param session, reports must outlive this
+  /// @param axes all axes of a bench
   BenchControl(client::Session& session, Reports& reports, std::vector<client::AxisId> axes,
                Options options);
 
@@ -34,9 +34,9 @@ class BenchControl final : private ControlledBench {
 
   [[nodiscard]] bool is_automatic() const noexcept { return options_.is_automatic; }
 
-  /// Does what is due; waits for the bench where control has to be taken.
+  /// Takes control if that is due, and then waits for the bench.
   /// @param axes their newest state
-  /// @return their state after control was taken; none when it was not.
+  /// @return their state after control was taken; nothing if it was not.
   std::optional<client::Observation> keep(std::span<const client::AxisSnapshot> axes);
 
  private:

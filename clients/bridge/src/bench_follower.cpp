@@ -27,7 +27,7 @@ std::optional<client::Observation> BenchFollower::next(milliseconds patience) {
   ensure(is_open(), "samples come while a bench is followed");
   auto sample = next_(patience);
   if (sample) return std::move(*sample);
-  // The service fell silent or is another run.
+  // The service fell silent, or another run has started.
   if (sample.outcome().kind() != client::OutcomeKind::timed_out) close();
   return std::nullopt;
 }
@@ -53,7 +53,7 @@ BenchFollower::Open follow_axes(client::Session& session, std::vector<client::Ax
   return [&session, axes = std::move(axes)]() -> client::Result<BenchFollower::Next> {
     auto follower = session.follow(axes, client::Pace::observe);
     if (!follower) return follower.outcome();
-    // Shared: a std::function is copyable, a follower is not.
+    // Shared, because a std::function must be copyable and a follower is not.
     auto shared = std::make_shared<client::Follower>(std::move(*follower));
     return BenchFollower::Next([shared](milliseconds patience) {
       return shared->next(patience);

@@ -11,8 +11,8 @@
 
 namespace vdrive::bridge {
 
-/// Sees the axes of a bench tick by tick, and begins again after the bench was lost. Time is an
-/// argument; the functions that it calls wait. For one thread.
+/// Follows the axes of a bench tick by tick, and starts again after the bench was lost. Time is
+/// passed as an argument; only the functions that it calls wait. For one thread.
 class BenchFollower {
  public:
   using Clock = std::chrono::steady_clock;
@@ -20,27 +20,27 @@ class BenchFollower {
   /// Waits for a sample, at most for the given time.
   using Next = std::function<client::Result<client::Observation>(std::chrono::milliseconds)>;
 
-  /// Begins to follow.
+  /// Starts following.
   using Open = std::function<client::Result<Next>()>;
 
-  /// How long it waits after a failure, before it tries again.
+  /// Pause after a failure before the next attempt.
   static constexpr std::chrono::milliseconds kRetry{200};
 
   explicit BenchFollower(Open open) : open_(std::move(open)) {}
 
-  /// Begins to follow, unless it does or has failed to within kRetry before `now`.
-  /// @return whether it has begun with this call.
+  /// Starts following, unless it already is or has failed to within kRetry before `now`.
+  /// @return whether this call has started it.
   bool open(Clock::time_point now);
 
   [[nodiscard]] bool is_open() const noexcept { return static_cast<bool>(next_); }
 
   void close() { next_ = {}; }
 
-  /// @return the next sample; none when none came in time, or when the bench was lost: then
+  /// @return the next sample; nothing if none arrived in time, or if the bench was lost: then
   ///         is_open() is false.
   std::optional<client::Observation> next(std::chrono::milliseconds patience);
 
-  /// Waits for a sample, and leaves out those after which a newer one has arrived.
+  /// Waits for a sample and skips those for which a newer one has already arrived.
   /// @return as next()
   std::optional<client::Observation> newest(std::chrono::milliseconds patience);
 
@@ -53,8 +53,8 @@ class BenchFollower {
 /// @return the axes of a bench, in their order.
 [[nodiscard]] std::vector<client::AxisId> ids_of(const client::BenchInfo& info);
 
-/// @param session outlives what is returned
-/// @return what follows these axes, and never advances their clock.
+/// @param session must outlive the returned function
+/// @return a function that follows these axes and never advances their clock.
 [[nodiscard]] BenchFollower::Open follow_axes(client::Session& session,
                                               std::vector<client::AxisId> axes);
 

@@ -9,11 +9,12 @@ namespace {
 
 using std::chrono::milliseconds;
 
-// How long what the bridge wants, and the end of the link, wait while the bench sends nothing.
+// Longest delay for requests of the bridge, and for the end of the link, while the bench sends
+// nothing.
 constexpr milliseconds kLongestFollow{10};
 
-// The stream reaches a reader from some milliseconds after it was opened on. A step that ends
-// within this time is asked for: in lock-step no other tick would follow it.
+// A reader gets the stream only some milliseconds after it was opened. During this time the state
+// is requested too: in lock-step no other tick may follow a step that ends within it.
 constexpr std::chrono::seconds kOpeningOfStream{2};
 constexpr milliseconds kAskAgainAfter{100};
 
@@ -34,7 +35,7 @@ BenchLink::BenchLink(BenchAdapter& adapter, client::Session& session, Reports& r
         return begin();
       }),
       control_(session, reports, ids_, std::move(control)) {
-  // A worker has one job for each of its axes at most: none is refused.
+  // A worker has at most one job per axis: none is refused.
   for (std::size_t i = 0; i < kWorkers; ++i) workers_.emplace_back(ids_.size());
   thread_ = std::jthread([this](const std::stop_token& stop) {
     run(stop);
@@ -50,8 +51,8 @@ void BenchLink::run(const std::stop_token& stop) {
       continue;
     }
     adapter_.before_turn(*this);
-    // Who asks for control has it also while time stands. Else it is tried with a new state only: a
-    // refusal is an event for all clients of the bench.
+    // If a client asks for control, it gets it even while time stands still. Otherwise acquire only
+    // with a new state: a refusal is an event for all clients of the bench.
     if (newest_ && !control_.is_automatic()) {
       if (auto held = control_.keep(newest_->axes)) show(std::move(*held));
     }
@@ -70,12 +71,12 @@ client::Result<BenchFollower::Next> BenchLink::begin() {
     const std::scoped_lock lock(mutex_);
     axes_ = axes;
   }
-  // The stream before the state: no tick is missing between them.
+  // Open the stream before reading the state, so that no tick is missed in between.
   auto next = follow_axes(session_, ids_)();
   if (!next) return next;
   auto now = session_.observe(ids_);
   if (!now) return now.outcome();
-  // Begins to listen: a session that stands in the way later has a name at once.
+  // Start listening for names, so that a session that gets in the way later has a name immediately.
   (void)session_.known_name(bench_, 0);
   is_stepped_ = info->clock_mode == client::ClockMode::lockstep;
   opened_ = Clock::now();
@@ -94,7 +95,8 @@ void BenchLink::follow() {
   adapter_.on_lost();
 }
 
-/// @return a state that the stream did not show while it was opened; none when it is not newer.
+/// @return a state that the stream missed while it was being opened; nothing if there is no newer
+///         one.
 std::optional<client::Observation> BenchLink::ask_again() {
   const auto now = Clock::now();
   const bool is_due = now >= ask_due_ && now < opened_ + kOpeningOfStream;
@@ -136,7 +138,7 @@ void BenchLink::post_next(Worker& worker, std::size_t place) {
   });
 }
 
-/// Carries out the oldest job of an axis; the next one waits for those of other axes.
+/// Runs the oldest job of an axis; the next one waits for jobs of other axes.
 void BenchLink::work(Worker& worker, std::size_t place) {
   AxisJobs::Job job;
   {

@@ -26,9 +26,9 @@ namespace vdrive::bridge {
 
 class BenchLink;
 
-/// What a bridge makes of a bench that it follows. The thread of the link calls it, which is the
-/// one that may wait for the bench. A final class with its link as its last member gets no call
-/// before its other members are there, and none after they begin to go.
+/// The part of a bridge that handles a bench. Called on the thread of the link, which may wait for
+/// the bench. A final class with its link as the last member gets no call before its other members
+/// exist, and none once their destruction has started.
 class BenchAdapter {
  public:
   /// Axes in the order of BenchInfo::axes.
@@ -36,7 +36,7 @@ class BenchAdapter {
 
   virtual ~BenchAdapter() = default;
 
-  /// The bench is there, or is there again; its first state follows.
+  /// The bench has appeared or reappeared; its first state follows.
   virtual void on_open(const client::BenchInfo& /*info*/,
                        const std::vector<client::Axis>& /*axes*/) {}
 
@@ -46,46 +46,48 @@ class BenchAdapter {
   /// The bench is silent or has ended.
   virtual void on_lost() = 0;
 
-  /// Before each look at the bench, which takes 10 ms at most: what the bridge wants of the link.
+  /// Called before each check of the bench, which takes at most 10 ms, to pass requests to the
+  /// link.
   virtual void before_turn(BenchLink& /*link*/) {}
 };
 
-/// The connection to a bench whose time others advance: threads follow its axes, keep control of
-/// them, send set-points, and carry out jobs for axes. Every call that waits for the bench is made
-/// there. The destructor waits for the call under way.
+/// The connection to a bench whose clock others advance: its threads follow the axes, keep control
+/// of them, send set-points and run jobs. All calls that wait for the bench are made there. The
+/// destructor waits for the call in progress.
 class BenchLink final {
  public:
   using Job = std::function<void(client::Axis& axis)>;
 
-  /// Frames of set-points that may wait for the bench; the oldest beyond are dropped.
+  /// Frames of set-points that may wait for the bench; beyond that, the oldest are dropped.
   static constexpr std::size_t kMostWaitingFrames = 1'024;
 
-  /// @param adapter, session, reports outlive this
+  /// @param adapter, session, reports must outlive this
   BenchLink(BenchAdapter& adapter, client::Session& session, Reports& reports,
             const client::BenchInfo& info, BenchControl::Options control);
   ~BenchLink() = default;
   BenchLink(const BenchLink&) = delete;
   BenchLink& operator=(const BenchLink&) = delete;
 
-  // Any thread; no call waits.
+  // Any thread; these do not wait.
 
-  /// Whether control of all axes is wanted from now on. Wanted once more after a loss, it is taken
+  /// Whether control of all axes is wanted from now on. Calling it again after a loss takes control
   /// again.
   void want_control(bool wanted) { control_.want(wanted); }
 
-  /// Has a job done with an axis, after the jobs for this axis before it.
+  /// Queues a job for an axis, to run after the earlier jobs for it.
   /// @param place of the axis in BenchInfo::axes
-  /// @return false when it is refused: too many wait (AxisJobs), or the bench was never there.
+  /// @return false if it is refused: too many are waiting (AxisJobs), or the bench has never been
+  ///         there.
   [[nodiscard]] bool post(std::size_t place, AxisJobs::Kind kind, Job job);
 
-  /// Sends set-points after those before, for the next tick.
+  /// Sends set-points for the next tick, after earlier ones.
   void send(std::vector<client::SetPointFrame> frames);
 
-  /// @return frames that were dropped, since it was made.
+  /// @return the number of frames dropped so far.
   [[nodiscard]] std::uint64_t dropped_frames() const;
 
-  /// Reports what a call to the bench failed with. A bench that is lost is reported as such, and a
-  /// program that ends reports nothing.
+  /// Reports the failure of a call to the bench. A lost bench is reported as such, and a program
+  /// that is ending reports nothing.
   void report(const client::Outcome& outcome, const std::string& subject,
               const std::string& what = "");
 
@@ -93,7 +95,7 @@ class BenchLink final {
   using Clock = BenchFollower::Clock;
   using Axes = std::shared_ptr<const std::vector<client::Axis>>;
 
-  /// What waits for an axis.
+  /// The jobs waiting for an axis.
   struct WaitingJobs {
     AxisJobs jobs;
     bool is_posted = false;  ///< its worker has a job for it
@@ -114,19 +116,19 @@ class BenchLink final {
   const std::uint32_t bench_;
   const std::vector<client::AxisId> ids_;
   const std::string label_;
-  mutable std::mutex mutex_;  ///< guards what follows
+  mutable std::mutex mutex_;  ///< guards the members up to `jobs_`
   Axes axes_;
   BoundedQueue<client::SetPointFrame> frames_{kMostWaitingFrames, WhenFull::drops_oldest};
   bool is_sending_ = false;
   std::vector<WaitingJobs> jobs_;  ///< by place
-  // Of the thread that follows.
+  // Used only by the thread that follows.
   BenchAdapter::State newest_;  ///< none while the bench is not there
   bool is_stepped_ = false;     ///< its bench is in lock-step
   Clock::time_point opened_{};
-  Clock::time_point ask_due_{};  ///< for a state that the stream did not show
+  Clock::time_point ask_due_{};  ///< for a state that the stream missed
   BenchFollower follower_;
   BenchControl control_;
-  // Each axis has its worker: its jobs are in order, and few axes wait for another one.
+  // Each axis is assigned to one worker: its jobs stay in order, and few axes wait for one another.
   std::deque<Worker> workers_;
   Worker sender_;
   std::jthread thread_;  ///< last: it uses all others

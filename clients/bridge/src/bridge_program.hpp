@@ -16,14 +16,14 @@
 
 namespace vdrive::bridge {
 
-/// The command line of a bridge: what the programs have in common.
+/// The command-line handling shared by the bridges.
 
 /// Exit codes.
 inline constexpr int kDone = 0;
 inline constexpr int kFailed = 1;
 inline constexpr int kUsage = 2;
 
-/// @return the names of the options that its help shows, such as "--port".
+/// @return the names of the options shown in the help, such as "--port".
 [[nodiscard]] inline std::vector<std::string> names_of_options(const CLI::App& app) {
   std::vector<std::string> names;
   for (const CLI::Option* const option : app.get_options()) {
@@ -33,15 +33,16 @@ inline constexpr int kUsage = 2;
   return names;
 }
 
-/// @return what is wrong with an argument that no option takes.
+/// @return the message for an argument that no option takes.
 [[nodiscard]] inline std::string unexpected_text(const CLI::App& app, const std::string& argument) {
   if (!argument.starts_with('-')) return in_quotes(argument) + " is one argument too many";
   const std::string name = argument.substr(0, argument.find('='));
   return in_quotes(name) + " is not an option" + suggestion(name, names_of_options(app));
 }
 
-/// An answer that nobody has got is an error. Flushes: quick_exit() does not.
-/// @return kDone, or kFailed after a report when standard output could not be written.
+/// Flushes standard output, because quick_exit() does not, and reports failure: output that got
+/// lost is an error.
+/// @return kDone, or kFailed after reporting that standard output could not be written.
 [[nodiscard]] inline int conclude_output(std::string_view program) {
   if (std::cout.flush()) return kDone;
   std::cerr << program
@@ -51,8 +52,8 @@ inline constexpr int kUsage = 2;
 }
 
 /// Parses the command line and does the work; a failure is reported on standard error.
-/// @tparam BadArguments what `work` throws for arguments that cannot be used
-/// @return the exit code: that of `work`, kUsage or kFailed
+/// @tparam BadArguments thrown by `work` for unusable arguments
+/// @return the exit code of `work`, kUsage or kFailed
 template <typename BadArguments, typename Work>
 [[nodiscard]] int run_program(CLI::App& app, int argument_count, const char* const* argument_list,
                               const Work& work) {

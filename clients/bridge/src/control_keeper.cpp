@@ -77,10 +77,10 @@ bool ControlKeeper::is_due(std::span<const AxisSnapshot> axes, Clock::time_point
   return now >= due_;
 }
 
-/// Notes control that it has, or has lost.
+/// Detects that control was gained or lost.
 void ControlKeeper::note_owner(std::span<const AxisSnapshot> axes) {
   if (!has_just_lost(axes)) return;
-  // Without the lock: the name may have to be waited for.
+  // Without the lock: getting the name may take time.
   const auto owner = other_owner(axes, session_);
   bench_.report(Severity::error, "control of its axes is lost" +
                                      (owner ? " to " + bench_.name_of(*owner) : "") + ": " +
@@ -90,7 +90,7 @@ void ControlKeeper::note_owner(std::span<const AxisSnapshot> axes) {
 bool ControlKeeper::has_just_lost(std::span<const AxisSnapshot> axes) {
   const std::scoped_lock lock(mutex_);
   if (!is_wanted_ || has_lost_) return false;
-  // The state of a paused bench names no owner.
+  // The state of a paused bench contains no owner.
   if (!std::ranges::all_of(axes, &AxisSnapshot::has_owner)) return false;
   const bool has_it = owns_all(axes, session_);
   has_lost_ = had_it_ && !has_it;
@@ -112,14 +112,14 @@ void ControlKeeper::wait_for(std::uint64_t owner, std::span<const AxisSnapshot> 
 
 void ControlKeeper::note_refusal(const client::Outcome& refusal, Clock::time_point now) {
   due_ = now + retry_;
-  // A refusal is an event for all clients of the bench: they come more and more rarely.
+  // A refusal is an event for all clients of the bench, so retries become less and less frequent.
   retry_ = std::min(2 * retry_, kLongestRetry);
   if (refusal.message() == reported_.refusal) return;
   reported_.refusal = refusal.message();
   bench_.report(Severity::warning, "cannot take control: " + refusal.message());
 }
 
-/// Reports control that follows a reported wait or refusal.
+/// Reports that control was gained after a reported wait or refusal.
 void ControlKeeper::report_taken(std::span<const AxisSnapshot> axes) {
   if (reported_.owner == 0 && reported_.refusal.empty()) return;
   std::string text = "takes control: its axes are free";

@@ -15,14 +15,14 @@
 
 namespace vdrive::bridge {
 
-/// @return a session other than `own` that controls one of the axes; none when there is none.
+/// @return a session other than `own` that controls one of the axes; nothing if there is none.
 [[nodiscard]] std::optional<std::uint64_t> other_owner(std::span<const client::AxisSnapshot> axes,
                                                        std::uint64_t own);
 
 /// @return whether this session controls all of the axes.
 [[nodiscard]] bool owns_all(std::span<const client::AxisSnapshot> axes, std::uint64_t own);
 
-/// What a ControlKeeper does to its bench. Each call may wait, but report().
+/// The operations of a ControlKeeper on its bench. Each may wait, except report().
 class ControlledBench {
  public:
   virtual ~ControlledBench() = default;
@@ -30,25 +30,25 @@ class ControlledBench {
   /// Takes control of all axes, or of none.
   virtual client::Outcome acquire() = 0;
 
-  /// @return the state of all axes now.
+  /// @return the present state of all axes.
   virtual std::optional<client::Observation> observe() = 0;
 
-  /// @return how messages call another session.
+  /// @return the name of another session for messages.
   virtual std::string name_of(std::uint64_t session) = 0;
 
   virtual void report(Severity severity, const std::string& text) = 0;
 };
 
-/// What reports advise, in the words of the world of a bridge.
+/// Advice in reports, in the terms of the protocol that the bridge serves.
 struct ControlRemedies {
-  std::string loss;    ///< how lost control is taken again
-  std::string faults;  ///< how a person resets them
+  std::string loss;    ///< how to regain lost control
+  std::string faults;  ///< how to reset faults
 };
 
-/// Takes control of all axes of a bench as soon as no other session controls one of them. Control
-/// that another session takes is not taken back before it is wanted once more. Reports each owner
-/// that it waits for once. Time is an argument; want() is for any thread, keep() for the one that
-/// may wait for the bench.
+/// Takes control of all axes of a bench as soon as no other session controls any of them. Control
+/// taken by another session is not regained until it is wanted again. Reports each owner that it
+/// waits for once. Time is passed as an argument. want() may be called from any thread, keep() only
+/// from the one that may wait for the bench.
 class ControlKeeper {
  public:
   using Clock = std::chrono::steady_clock;
@@ -57,26 +57,26 @@ class ControlKeeper {
   static constexpr std::chrono::milliseconds kLongestRetry{2000};
 
   /// @param session that takes control
-  /// @param bench outlives this
+  /// @param bench must outlive this
   ControlKeeper(std::uint64_t session, ControlledBench& bench, ControlRemedies remedies)
       : session_(session), bench_(bench), remedies_(std::move(remedies)) {}
 
-  /// Whether control is wanted from now on. Wanted once more after a loss, it is taken again.
+  /// Whether control is wanted from now on. Calling it again after a loss takes control again.
   void want(bool wanted);
 
   [[nodiscard]] bool is_wanted() const;
 
-  /// Does what is due. It sends a request only while the status has no other owner: a refusal is an
-  /// event of the bench, which all its clients receive.
+  /// Takes control if that is due. A request is sent only while the status shows no other owner,
+  /// because a refusal is an event that all clients of the bench receive.
   /// @param axes the newest state of all axes
-  /// @return their state after control was taken; none when it was not.
+  /// @return their state after control was taken; nothing if it was not.
   std::optional<client::Observation> keep(std::span<const client::AxisSnapshot> axes,
                                           Clock::time_point now);
 
  private:
-  /// What was reported, and is not reported again.
+  /// What has been reported already and is not repeated.
   struct Reported {
-    std::uint64_t owner = 0;  ///< session that control waits for; 0 = it does not wait
+    std::uint64_t owner = 0;  ///< session that control waits for; 0 = not waiting
     std::string refusal;
   };
 
@@ -90,12 +90,12 @@ class ControlKeeper {
   const std::uint64_t session_;
   ControlledBench& bench_;
   const ControlRemedies remedies_;
-  mutable std::mutex mutex_;  ///< guards what want() changes
+  mutable std::mutex mutex_;  ///< guards the members that want() changes
   bool is_wanted_ = false;
-  bool is_new_ = false;  ///< wanted once more: what was reported is reported again
-  bool had_it_ = false;  ///< all axes, since it is wanted
+  bool is_new_ = false;  ///< wanted again: repeat earlier reports
+  bool had_it_ = false;  ///< all axes, since control was wanted
   bool has_lost_ = false;
-  // Of the thread of keep().
+  // Used only by the thread of keep().
   Reported reported_;
   Clock::time_point due_{};
   std::chrono::milliseconds retry_{kRetry};

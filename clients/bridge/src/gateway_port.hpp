@@ -5,7 +5,7 @@
 
 namespace vdrive::bridge {
 
-/// The TCP port of vdrive-gateway, where --listen names no other.
+/// The default TCP port of vdrive-gateway (--listen).
 inline constexpr std::uint16_t kGatewayPort = 8765;
 
 }  // namespace vdrive::bridge

@@ -17,14 +17,14 @@ double si_per_user_unit(const Unit& unit) {
 }
 
 double effort_per_mille(const Unit& unit, const TorqueRating& rating) {
-  // 1 ‰ of so many mN.m, at the motor [N.m].
+  // 1 ‰ of a torque in mN.m, at the motor [N.m].
   const double motor = static_cast<double>(rating.motor_rated_torque) * 1e-6;
-  // A gear keeps the power, torque x speed. For `denominator` turns of the motor the load makes
-  // `numerator`: the load has that much less speed and that much more torque.
+  // A gear preserves the power, torque x speed. While the motor makes `denominator` turns, the load
+  // makes `numerator`: its speed is that much lower and its torque that much higher.
   const double load = motor * static_cast<double>(rating.gear_ratio_denominator) /
                       static_cast<double>(rating.gear_ratio_numerator);
-  // The same holds for the mechanism behind the load: for one turn, 2 pi rad, the axis moves by so
-  // many rad or m. For an axis in the angle of the load both are 2 pi.
+  // The same holds for the mechanism after the load: for one turn, 2 pi rad, the axis moves by
+  // `way` rad or m. If the axis is the angle of the load, both are 2 pi.
   const double way = kUserUnitsPerRevolution * si_per_user_unit(unit);
   return load * 2.0 * std::numbers::pi / way;
 }

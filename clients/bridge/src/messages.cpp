@@ -54,7 +54,7 @@ struct Description<bridge::FoxgloveJoint> {
 namespace vdrive::bridge {
 namespace {
 
-/// Makes the text of a schema of the fields of a message.
+/// Builds the text of a schema from the fields of a message.
 class SchemaText {
  public:
   template <typename Value>
@@ -62,7 +62,7 @@ class SchemaText {
     add(type_of<Value>(), name);
   }
 
-  /// A sequence of what `value_of` gives of each element.
+  /// A sequence of the results of `value_of` for each element.
   template <typename Elements, typename ValueOf>
   void operator()(std::string_view name, const Elements& /*elements*/,
                   const ValueOf& /*value_of*/) {
@@ -94,7 +94,7 @@ class SchemaText {
     }
   }
 
-  /// The definition of a nested type follows a line of 80 equals signs.
+  /// The definition of a nested type follows after a line of 80 equals signs.
   template <typename Struct>
   void use() {
     SchemaText own;
@@ -110,7 +110,7 @@ class SchemaText {
 };
 
 /// @param message one of those below
-/// @param source what it is made of, apart from a time; any, only types matter
+/// @param source its data except for the time; only the types matter
 template <typename Message, typename... Source>
 MessageSchema schema_of(std::string name, const Message& message, const Source&... source) {
   SchemaText schema;
@@ -132,7 +132,7 @@ std::string encode(const Message& message, const Source&... source) {
 
 // ---- messages: each calls `field` for its fields ------------------------------------------------
 
-/// Seconds beyond 2^31 - 1 wrap, as they do in ROS.
+/// Seconds beyond 2^31 - 1 wrap around, as they do in ROS.
 RosTime ros_time(std::uint64_t nanoseconds) {
   constexpr std::uint64_t kSecond = 1'000'000'000;  // [ns]
   return {.sec = static_cast<std::int32_t>(nanoseconds / kSecond),
@@ -192,7 +192,7 @@ constexpr auto kLog = [](auto& field, const client::Event& event, std::string_vi
   field("level", log_level(event.kind));
   field("message", event_text(event));
   field("name", name);
-  // Log panels filter by file: here it is the kind of the event.
+  // Log panels filter by file: use the kind of the event.
   field("file", to_string(event.kind));
   field("line", std::uint32_t{0});  // no line
 };
@@ -280,7 +280,8 @@ std::string encode_event(const client::Event& event, std::string_view name, std:
 std::string encode_joint_states(const client::Observation& observation,
                                 std::span<const Joint> joints, std::uint64_t time) {
   ensure(joints.size() <= observation.axes.size(), "each joint is an axis of the observation");
-  // The status has none, and the differences of velocities in user units are mostly their rounding.
+  // The status has no acceleration, and differences of velocities in user units would be mostly
+  // rounding.
   constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
   std::vector<FoxgloveJoint> states;
   states.reserve(joints.size());

@@ -14,10 +14,10 @@
 
 namespace vdrive::bridge {
 
-/// The options of a command line that choose the network: what the programs have in common.
+/// The command-line options for the network, shared by the programs.
 
-/// @return what takes a whole number within these limits by the grammar of all numbers: CLI11 alone
-///         would read 010 as an octal number, and refuse 1e2.
+/// @return a validator for integers within these limits that accepts the number syntax of all our
+///         programs: CLI11 alone would read 010 as octal and refuse 1e2.
 [[nodiscard]] inline CLI::Validator whole_number(std::int64_t lowest, std::int64_t highest) {
   return {[lowest, highest](std::string& text) {
             return take_integer(text, lowest, highest);
@@ -26,7 +26,7 @@ namespace vdrive::bridge {
 }
 
 /// Declares --domain.
-/// @param further what its help has after the range
+/// @param further text in its help after the range
 inline CLI::Option* add_domain_option(CLI::App& app, std::optional<std::uint32_t>& domain,
                                       const std::string& further = "") {
   return app
@@ -36,8 +36,8 @@ inline CLI::Option* add_domain_option(CLI::App& app, std::optional<std::uint32_t
       ->type_name("N");
 }
 
-/// Declares the options that choose the network of `session`, except its domain.
-/// @param interface_option another name where the program has other interfaces, too
+/// Declares the options that select the network of `session`, except the domain.
+/// @param interface_option another name, for programs with other interfaces too
 inline void add_network_options(CLI::App& app, client::SessionOptions& session,
                                 const std::string& interface_option = "--interface") {
   app.add_option(interface_option, session.interfaces,
@@ -56,7 +56,7 @@ inline void add_network_options(CLI::App& app, client::SessionOptions& session,
       ->type_name("DIR");
 }
 
-/// @return how long a bridge searches for benches in one go.
+/// @return how long one search of a bridge for benches takes.
 [[nodiscard]] inline std::chrono::milliseconds find_timeout_of(
     const client::SessionOptions& session) {
   constexpr std::chrono::seconds kOpen{1};

@@ -10,7 +10,7 @@
 namespace vdrive::bridge {
 namespace {
 
-// What is kept is bounded: subjects and texts may come from the other world.
+// Bounded, because subjects and texts may come from outside.
 constexpr std::size_t kMostSubjects = 1024;
 constexpr std::size_t kMostTexts = 64;
 constexpr std::chrono::seconds kAgain{1};
@@ -58,7 +58,7 @@ std::optional<std::string> refusal_report(const client::Event& event, std::uint6
   constexpr std::uint32_t kControlled = wire_code(AbortCode::refused_local_control);
   if (event.kind != client::EventKind::refused || event.session != own) return std::nullopt;
   if (event.code == kControlled) return std::nullopt;
-  // Without what differs from command to command.
+  // Without the parts that differ from command to command.
   const std::string text = event.text.substr(0, event.text.rfind(" (session "));
   return "a command was refused: " + text.substr(0, text.find(", late by "));
 }

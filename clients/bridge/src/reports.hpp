@@ -15,42 +15,43 @@
 
 namespace vdrive::bridge {
 
-/// Which reports are made: an equal text once a second, and of a subject no more than five texts a
-/// second, with the number of those left out. Time is an argument.
+/// Limits reports: the same text once per second, and no more than five texts per second for a
+/// subject, with the number of suppressed ones. Time is passed as an argument.
 class ReportLimit {
  public:
   using Clock = std::chrono::steady_clock;
 
-  /// @return the line that is due, with its subject and without control characters; none when it
-  ///         is left out.
+  /// @return the line to report, with its subject and without control characters; nothing if it is
+  ///         suppressed.
   std::optional<std::string> line_of(const std::string& subject, const std::string& text,
                                      Clock::time_point now);
 
  private:
-  /// What was reported about a subject.
+  /// The texts reported about a subject.
   struct Subject {
     CountingLimit limit{{.per_second = 5.0, .burst = 10.0}};
-    std::map<std::string, Clock::time_point> texts{};  ///< when they were reported
+    std::map<std::string, Clock::time_point> texts{};  ///< and when they were reported
   };
 
-  /// @return how many texts were left out since the last that passed; nothing = leave this one out.
+  /// @return the number of texts suppressed since the last one that passed; nothing = suppress this
+  ///         one.
   static std::optional<std::uint64_t> pass(Subject& subject, const std::string& text,
                                            Clock::time_point now);
 
   std::map<std::string, Subject> subjects_;
 };
 
-/// Reports of a bridge to its operator: a line on standard error, and what else the bridge does
-/// with it. Thread-safe; not for DDS threads.
+/// Reports from a bridge to its operator: a line on standard error, and any use that the bridge
+/// makes of it. Thread-safe; not for DDS threads.
 class Reports {
  public:
-  /// Takes a line that is reported, such as into a log of the other world.
+  /// Receives each reported line, for example to write it to a log of the other protocol.
   using Sink = std::function<void(Severity severity, const std::string& line)>;
 
-  /// @param program whose name begins each line
+  /// @param program name at the start of each line
   Reports(std::string program, Sink sink) : program_(std::move(program)), sink_(std::move(sink)) {}
 
-  /// @param subject what the report is about; reports of one subject are limited together
+  /// @param subject of the report; reports on one subject are limited together
   /// @param text a sentence without a full stop
   void report(Severity severity, const std::string& subject, const std::string& text);
 
@@ -62,8 +63,8 @@ class Reports {
 };
 
 /// @param own the session of the bridge
-/// @return what to report about an event that refuses a command of the bridge: the same text for
-///         equal refusals, which are counted; nothing for any other event, and for the refusal of
+/// @return the report for an event that refuses a command of the bridge: the same text for equal
+///         refusals, which are counted. Nothing for any other event, and for the refusal of
 ///         control, which a ControlKeeper reports.
 [[nodiscard]] std::optional<std::string> refusal_report(const client::Event& event,
                                                         std::uint64_t own);

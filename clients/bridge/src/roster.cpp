@@ -17,7 +17,7 @@ void renew(BenchRecord& record, client::BenchInfo&& found, BenchRecord::Clock::t
 
 bool Roster::take(std::vector<client::BenchInfo> found, Clock::time_point now) {
   const Changes changes = compare(std::move(found), now);
-  // Without the lock: the host may wait for its threads, and they may ask this.
+  // Without the lock: the host may wait for its threads, and those may call the roster.
   for (const client::BenchInfo& bench : changes.renewed) host_.renew(bench);
   for (const auto& [bench, is_replaced] : changes.ended) host_.remove(bench, is_replaced);
   bool has_changed = !changes.ended.empty() || !changes.renewed.empty();
@@ -64,7 +64,7 @@ void Roster::compare_one(client::BenchInfo&& found, Clock::time_point now, Chang
   }
   BenchRecord& record = known->second;
   if (record.info.incarnation != found.incarnation) {
-    // It was found, so it is alive: a report of its silence may be older than this.
+    // It was just found, so it is alive; a report of its silence may be older.
     record.is_alive = true;
     record.is_offline = false;
     if (record.is_served) changes.renewed.push_back(found);
@@ -81,7 +81,7 @@ void Roster::remove_ended(Clock::time_point now, Changes& changes) {
   });
 }
 
-/// @return whether the bench is served from now on.
+/// @return whether the bench is now served.
 bool Roster::offer(const client::BenchInfo& bench) {
   const std::optional<std::string> reason = host_.add(bench);
   {

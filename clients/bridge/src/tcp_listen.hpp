@@ -12,11 +12,11 @@
 
 namespace vdrive::bridge {
 
-/// Opens `acceptor`, which then listens for TCP connections.
-/// @param host an address of IPv4 or IPv6
+/// Opens `acceptor` and listens for TCP connections.
+/// @param host an IPv4 or IPv6 address
 /// @param port 0 = any free one
-/// @param place how messages call both
-/// @throws std::runtime_error when `host` is no address, or when nobody can listen there
+/// @param place host and port as written in messages
+/// @throws std::runtime_error if `host` is not an address, or if it is not possible to listen there
 inline void listen_on(boost::asio::ip::tcp::acceptor& acceptor, const std::string& host,
                       std::uint16_t port, const std::string& place) {
   boost::system::error_code problem;
@@ -28,8 +28,8 @@ inline void listen_on(boost::asio::ip::tcp::acceptor& acceptor, const std::strin
   const boost::asio::ip::tcp::endpoint endpoint(address, port);
   try {
     acceptor.open(endpoint.protocol());
-    // Else a program that is started again cannot listen while the kernel keeps connections of the
-    // one before.
+    // Otherwise a restarted program could not listen while the kernel still holds connections of
+    // the previous one.
     acceptor.set_option(boost::asio::socket_base::reuse_address(true));
     acceptor.bind(endpoint);
     acceptor.listen();

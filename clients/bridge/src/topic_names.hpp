@@ -13,14 +13,14 @@ namespace vdrive::bridge {
 /// @return the part of a topic that names a bench, such as "bench1".
 [[nodiscard]] std::string bench_topic(std::uint32_t bench);
 
-/// The part of a topic that names an axis: letters, digits and _; where two axes of a bench would
-/// have one name, the second one's has its number too.
-/// @param axes all of a bench
-/// @return one name each, in their order
+/// The part of a topic that names an axis: letters, digits and _. If two axes of a bench would have
+/// the same name, the number is appended to the second one.
+/// @param axes all axes of a bench
+/// @return one name per axis, in their order
 [[nodiscard]] std::vector<std::string> topic_names(std::span<const client::AxisInfo> axes);
 
-/// @return whether both lists have the same axes with the same names and units, so that the topics
-///         of one are those of the other.
+/// @return whether both lists have the same axes with the same names and units, so that their
+///         topics are the same.
 [[nodiscard]] bool are_same_axes(std::span<const client::AxisInfo> a,
                                  std::span<const client::AxisInfo> b);
 

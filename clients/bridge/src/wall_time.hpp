@@ -6,7 +6,7 @@
 
 namespace vdrive::bridge {
 
-/// @return [ns] since 1970
+/// @return the wall time in [ns] since 1970
 [[nodiscard]] inline std::int64_t wall_time() {
   return std::chrono::nanoseconds(std::chrono::system_clock::now().time_since_epoch()).count();
 }

@@ -38,7 +38,7 @@ void Worker::run() {
     if (!job) break;
     lock.unlock();
     (*job)();
-    job.reset();  // what it holds ends here, without the lock
+    job.reset();  // destroys its captures here, without the lock
     lock.lock();
   }
   has_ended_ = true;

@@ -12,28 +12,29 @@
 
 namespace vdrive::bridge {
 
-/// A thread that does one thing after the other: calls to benches wait, and no other thread waits
-/// for them. Its thread starts with the first job.
+/// A thread that runs one job after another, such as calls that wait for a bench, so that no other
+/// thread has to wait. The thread starts with the first job.
 class Worker {
  public:
-  /// Jobs that may wait: a client that sends more than its bench answers hears of it.
+  /// Most waiting jobs: a client that sends faster than its bench answers is told so.
   static constexpr std::size_t kMostJobs = 64;
 
-  /// @param most_jobs that wait
+  /// @param most_jobs that may wait
   explicit Worker(std::size_t most_jobs = kMostJobs) : jobs_(most_jobs, WhenFull::refuses_newest) {}
 
-  /// Waits for the job under way; the others are dropped.
+  /// Waits for the job in progress; the others are dropped.
   ~Worker();
   Worker(const Worker&) = delete;
   Worker& operator=(const Worker&) = delete;
 
-  /// Any thread. @return false when too many jobs wait, or after close().
+  /// Any thread.
+  /// @return false if too many jobs are waiting, or after close().
   [[nodiscard]] bool post(std::function<void()> job);
 
-  /// Ends after the job under way; the other jobs are dropped. Does not wait.
+  /// Ends after the job in progress; the other jobs are dropped. Does not wait.
   void close();
 
-  /// @return whether the thread has ended, or never was.
+  /// @return whether the thread has ended, or never started.
   [[nodiscard]] bool has_ended() const noexcept { return has_ended_; }
 
  private:
