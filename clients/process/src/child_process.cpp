@@ -8,7 +8,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
-// The header of glibc 2.36 lacks this declaration.
+// Missing from the header of glibc 2.36.
 extern "C" {
 #include <sys/pidfd.h>
 }
@@ -25,7 +25,7 @@ extern "C" {
 namespace vdrive::process {
 namespace {
 
-/// What exec takes. Made before the fork: after it the child may not allocate.
+/// The arguments of exec. Created before the fork, because the child must not allocate after it.
 std::vector<char*> pointers_to(std::vector<std::string>& texts) {
   std::vector<char*> pointers;
   pointers.reserve(texts.size() + 1);
@@ -38,7 +38,7 @@ std::string_view variable_name(std::string_view variable) {
   return variable.substr(0, variable.find('='));
 }
 
-/// @return the environment of this process with `changes` in the place of those of the same name.
+/// @return the environment of this process, with `changes` replacing variables of the same name.
 std::vector<std::string> environment_with(std::vector<std::string> changes) {
   const std::size_t added = changes.size();
   for (char** variable = environ; variable != nullptr && *variable != nullptr; ++variable) {
@@ -59,7 +59,8 @@ int checked(int result, const char* what) {
   throw std::system_error(errno, std::generic_category(), what);
 }
 
-/// Waits until the process of `handle` has ended. @return false when it has not after `patience`.
+/// Waits until the process of `handle` has ended.
+/// @return false if it has not ended after `patience`.
 bool has_ended_within(int handle, std::chrono::milliseconds patience) {
   using Clock = std::chrono::steady_clock;
   const Clock::time_point deadline = Clock::now() + patience;
@@ -67,12 +68,12 @@ bool has_ended_within(int handle, std::chrono::milliseconds patience) {
   while (true) {
     const auto rest = std::chrono::ceil<std::chrono::milliseconds>(deadline - Clock::now());
     const int ready = poll(&ended, 1, static_cast<int>(std::max<std::int64_t>(rest.count(), 0)));
-    // A signal of this process, such as that of Ctrl-C, is no end of the other one.
+    // A signal to this process, such as Ctrl-C, does not mean that the other one has ended.
     if (ready >= 0 || errno != EINTR) return ready != 0;
   }
 }
 
-/// The descriptors of a child in this process.
+/// The descriptors for the child, as numbered in this process.
 struct Streams {
   int input;
   int output;
@@ -80,22 +81,23 @@ struct Streams {
   bool are_shared;
 };
 
-/// In the child. @return whether it has the descriptor under this number.
+/// Runs in the child.
+/// @return whether the descriptor is now available under this number.
 bool give(int descriptor, int number) {
-  // dup2 of a number to itself lets exec close it.
+  // dup2 onto the same number would leave close-on-exec set.
   return descriptor == number ? fcntl(number, F_SETFD, 0) == 0  // NOLINT(*-vararg)
                               : dup2(descriptor, number) >= 0;
 }
 
-/// In the child.
+/// Runs in the child.
 bool give_all(const Streams& streams) {
-  // First the input: another number that is given may be that of its descriptor.
+  // Input first: another target number may be that of its descriptor.
   if (!give(streams.input, STDIN_FILENO)) return false;
   if (streams.are_shared) return give(streams.output, kChildResults);
   return give(streams.output, STDOUT_FILENO) && give(streams.errors, STDERR_FILENO);
 }
 
-/// In the child, between fork and exec: system calls only.
+/// Runs in the child, between fork and exec: system calls only.
 [[noreturn]] void become(const std::vector<char*>& command, const std::vector<char*>& environment,
                          const Streams& streams, pid_t parent) {
   constexpr int kCannotStart = 127;
@@ -104,17 +106,17 @@ bool give_all(const Streams& streams) {
   // NOLINTNEXTLINE(concurrency-mt-unsafe): of the only thread of the child
   sigprocmask(SIG_SETMASK, &none, nullptr);
   (void)std::signal(SIGPIPE, SIG_DFL);
-  // A terminal may stop what writes to it from another process group.
+  // A terminal may stop a process that writes to it from another process group.
   if (streams.are_shared) (void)std::signal(SIGTTOU, SIG_IGN);
   setpgid(0, 0);
   prctl(PR_SET_PDEATHSIG, SIGTERM);
-  if (getppid() != parent) _exit(kCannotStart);  // it has ended before the line above
+  if (getppid() != parent) _exit(kCannotStart);  // the parent ended before the line above
   if (!give_all(streams)) _exit(kCannotStart);
   execve(command.front(), command.data(), environment.data());
   _exit(kCannotStart);
 }
 
-/// @return a file in memory with this text, to be read from its beginning.
+/// @return an in-memory file with this text, positioned at its beginning.
 int file_of(const std::string& text) {
   const int file = checked(memfd_create("input", MFD_CLOEXEC), "memfd_create");
   for (std::size_t written = 0; written < text.size();) {
@@ -141,12 +143,13 @@ pid_t start(std::vector<std::string> command, std::vector<std::string> changes,
   return child;
 }
 
-/// @return a handle of the child. Without one nobody could end it: then it is killed at once.
+/// @return a handle of the child. Without a handle nobody could end the child, so it is killed
+///         then.
 int handle_of(pid_t child) {
   const int handle = pidfd_open(child, 0);
   if (handle >= 0) return handle;
   const int error = errno;
-  (void)kill(child, SIGKILL);  // not waited for yet: the number is still its own
+  (void)kill(child, SIGKILL);  // not waited for yet, so the number still belongs to the child
   while (waitpid(child, nullptr, 0) < 0 && errno == EINTR) {
   }
   throw std::system_error(error, std::generic_category(), "pidfd_open");
@@ -185,7 +188,7 @@ ChildProcess::~ChildProcess() {
 }
 
 void ChildProcess::send(int signal) const noexcept {
-  // The handle, unlike the number, never means another process.
+  // Unlike the number, the handle can never refer to another process.
   (void)pidfd_send_signal(handle_.get(), signal, nullptr, 0);
 }
 

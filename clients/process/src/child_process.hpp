@@ -12,11 +12,11 @@
 
 namespace vdrive::process {
 
-// What a forked process may not touch, for clients that name no wire.
+// Fork protection, made available to clients that do not use the wire directly.
 using wire::made_here;
 using wire::Origin;
 
-/// A descriptor, closed with this object.
+/// A file descriptor, closed with this object.
 class Descriptor {
  public:
   explicit Descriptor(int number) noexcept : number_(number) {}
@@ -31,45 +31,45 @@ class Descriptor {
   int number_;
 };
 
-/// What a child reads, and where it writes.
+/// The standard input and the output mode of a child.
 struct ChildStreams {
-  std::string input{};      ///< what it reads on standard input
-  bool are_shared = false;  ///< it writes where this program does
+  std::string input{};      ///< text on standard input
+  bool are_shared = false;  ///< it inherits the output streams of this program
 };
 
-/// Where a child with shared streams writes what output() has.
+/// The descriptor to which a child with shared streams writes the text that output() returns.
 constexpr int kChildResults = 3;
 
-/// A program that this one has started. It receives SIGTERM when the thread that started it ends,
-/// so that a killed tool leaves nothing behind. It is in a process group of its own: Ctrl-C reaches
-/// it through send() only. Its output is kept in memory unless it is shared.
+/// A program started by this one. It receives SIGTERM when the thread that started it ends, so that
+/// a killed tool leaves nothing behind. It has its own process group: Ctrl-C reaches it only
+/// through send(). Its output is kept in memory unless the streams are shared.
 class ChildProcess {
  public:
   /// @param command the program's path, then its arguments
-  /// @param environment changes of that of this process: NAME=VALUE, or NAME for a variable that
-  /// goes
+  /// @param environment changes to the environment of this process: NAME=VALUE, or NAME to remove a
+  ///        variable
   /// @throws std::system_error
   ChildProcess(std::vector<std::string> command, std::vector<std::string> environment = {},
                const ChildStreams& streams = {});
 
-  /// Kills it, if it still runs.
+  /// Kills it if it is still running.
   ~ChildProcess();
   ChildProcess(const ChildProcess&) = delete;
   ChildProcess& operator=(const ChildProcess&) = delete;
 
-  /// Also after its end. Any thread.
+  /// Sends a signal; does nothing after the program has ended. Any thread.
   void send(int signal) const noexcept;
 
-  /// @return the exit code, or -signal; nothing while it still runs after `patience`.
+  /// @return the exit code, or -signal; nothing if it is still running after `patience`.
   std::optional<int> wait(std::optional<std::chrono::milliseconds> patience = std::nullopt);
 
-  /// SIGTERM, and SIGKILL when it has not ended after `patience`.
+  /// Sends SIGTERM, and SIGKILL if it has not ended after `patience`.
   void stop(std::chrono::milliseconds patience);
 
   /// Readable once the program has ended.
   [[nodiscard]] int descriptor() const noexcept { return handle_.get(); }
 
-  /// What it has written so far; with shared streams no errors, and what it wrote to kChildResults.
+  /// Its output so far; with shared streams, the text written to kChildResults, and no errors.
   [[nodiscard]] std::string output() const;
   [[nodiscard]] std::string errors() const;
 

@@ -25,11 +25,11 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-// A busy machine starts many of them side by side.
+// Generous, because a busy machine may start many of them at the same time.
 constexpr std::chrono::seconds kStart{60};
 constexpr std::chrono::seconds kEnd{5};
 
-/// The socket of a service manager, with a name that the system chooses.
+/// The notification socket of a service manager, with a name chosen by the system.
 int open_notifications() {
   const int receiver = socket(AF_UNIX, SOCK_DGRAM | SOCK_CLOEXEC, 0);
   sockaddr_un address{};
@@ -49,7 +49,7 @@ std::string variable_of(int receiver) {
   if (getsockname(receiver, reinterpret_cast<sockaddr*>(&address), &length) != 0) {
     throw std::system_error(errno, std::generic_category(), "socket for notifications");
   }
-  // The name begins with a zero, which the variable writes as @.
+  // The name starts with a zero byte, which the variable represents as @.
   const std::string_view path(&address.sun_path[0], length - offsetof(sockaddr_un, sun_path));
   return "NOTIFY_SOCKET=@" + std::string(path.substr(1));
 }
@@ -76,7 +76,8 @@ PrivateBench::PrivateBench(const std::string& service, const std::vector<std::st
       path_(service),
       notifications_(open_notifications()),
       service_(command_of(service, domain_, arguments),
-               // What a service manager gives this program is not for the service.
+               // Variables that a service manager set for this program are not meant for the
+               // service.
                {variable_of(notifications_.get()), "WATCHDOG_USEC", "STATE_DIRECTORY"}) {}
 
 std::uint32_t PrivateBench::highest_domain() noexcept {
@@ -106,7 +107,7 @@ std::optional<std::string> PrivateBench::wait_until_ready() {
   return "the service did not start in time";
 }
 
-/// What it has written, or how it has ended without a word.
+/// Its error output, or how it ended without any.
 std::string PrivateBench::reason() {
   std::string errors = without_line_end(service_.errors());
   if (!errors.empty()) return errors;

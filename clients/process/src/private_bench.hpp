@@ -13,13 +13,13 @@
 
 namespace vdrive::process {
 
-/// A service on a domain that no other program uses, or on that of another private bench. It ends
-/// with this object.
+/// A service on a domain that no other program uses, or on the domain of another private bench. It
+/// ends with this object.
 class PrivateBench {
  public:
-  /// @param service the program vdrived
-  /// @param arguments further ones, such as those of its clock
-  /// @param domain of the benches that it meets; nothing = one that no other program uses
+  /// @param service path of vdrived
+  /// @param arguments further arguments, such as those of its clock
+  /// @param domain of the benches that it should meet; nothing = one that no other program uses
   /// @throws std::system_error, std::runtime_error
   PrivateBench(const std::string& service, const std::vector<std::string>& arguments,
                std::optional<std::uint32_t> domain = std::nullopt);
@@ -29,15 +29,16 @@ class PrivateBench {
 
   [[nodiscard]] std::uint32_t domain() const noexcept { return domain_; }
 
-  /// The lowest is 0.
+  /// The highest domain number; the lowest is 0.
   [[nodiscard]] static std::uint32_t highest_domain() noexcept;
 
-  /// Waits until the service runs. @return why it does not, or nothing.
+  /// Waits until the service is running.
+  /// @return why it is not, or nothing.
   [[nodiscard]] std::optional<std::string> wait_until_ready();
 
   [[nodiscard]] bool has_ended() { return service_.wait(std::chrono::milliseconds(0)).has_value(); }
 
-  /// Ends it at once, and the wait above. Any thread.
+  /// Ends it, and the wait above, immediately. Any thread.
   void end() const noexcept { service_.send(SIGTERM); }
 
  private:
@@ -50,14 +51,14 @@ class PrivateBench {
   ChildProcess service_;
 };
 
-/// @return the path of the program `name` next to this one, else of the one in PATH; nothing where
-///         there is none.
+/// @return the path of the program `name` in this program's directory, otherwise in PATH; nothing
+///         if there is none.
 [[nodiscard]] std::optional<std::string> find_program(const std::string& name);
 
-/// @return the path of vdrived, as above.
+/// @return the path of vdrived, found by find_program().
 [[nodiscard]] std::optional<std::string> find_service();
 
-/// @return whether `file` is there and may be run.
+/// @return whether `file` exists and is executable.
 [[nodiscard]] bool is_program(const std::string& file);
 
 /// @return the path of this program.

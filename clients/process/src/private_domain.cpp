@@ -25,13 +25,13 @@ namespace {
 
 using Domains = std::set<std::uint32_t>;
 
-/// Who has the ports: for each user its sockets, for each socket its domain.
+/// The owners of the ports: for each user its sockets, for each socket its domain.
 using Holders = std::map<uid_t, std::multiset<std::uint32_t>>;
 
-/// @return the user of a socket and its domain, when its port is the group port of one of ours.
+/// Adds the user and the domain of a socket if its port is the group port of one of our domains.
 void note_socket(const std::string& line, Holders& holders) {
   constexpr int kHex = 16;
-  constexpr int kBeforeUser = 5;  // further columns
+  constexpr int kBeforeUser = 5;  // columns to skip
   std::istringstream fields(line);
   std::string number;
   std::string local;
@@ -49,13 +49,13 @@ void note_socket(const std::string& line, Holders& holders) {
   }
 }
 
-/// @return what the system shows to every user.
+/// @return the sockets listed by the system, which any user can read.
 Holders holders_of_domains() {
   Holders holders;
   for (const char* const file : {"/proc/net/udp", "/proc/net/udp6"}) {
     std::ifstream sockets(file);
     std::string line;
-    std::getline(sockets, line);  // the names of the columns
+    std::getline(sockets, line);  // column headings
     while (std::getline(sockets, line)) note_socket(line, holders);
   }
   return holders;
@@ -82,7 +82,7 @@ sockaddr_in address_of(in_addr_t host, std::uint32_t port) {
   return address;
 }
 
-/// Shares its port from now on, or no longer.
+/// Switches sharing of the port on or off.
 void share(int claim, bool is_shared) {
   const int value = is_shared ? 1 : 0;
   if (setsockopt(claim, SOL_SOCKET, SO_REUSEADDR, &value, sizeof value) == 0) return;
@@ -90,7 +90,7 @@ void share(int claim, bool is_shared) {
 }
 
 /// Binds a socket to the port at which participants of the domain announce themselves.
-/// @param is_shared whether another socket that shares the port may have it already
+/// @param is_shared whether another socket that shares the port may already be bound to it
 /// @return the socket, or -1.
 int claim(std::uint32_t domain, bool is_shared) {
   const int claim = socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0);
@@ -102,8 +102,8 @@ int claim(std::uint32_t domain, bool is_shared) {
     close(claim);
     return -1;
   }
-  // Participants of the domain share the port, and get what is sent to it: this socket has a peer
-  // that never sends, a port of the domain that RTPS leaves out.
+  // Participants of the domain share the port and must get the messages sent to it. So this socket
+  // is connected to a peer that never sends: a port of the domain that RTPS does not use.
   constexpr std::uint32_t kUnusedPort = 9;
   share(claim, true);
   const sockaddr_in nobody = address_of(INADDR_LOOPBACK, wire::group_port(domain) + kUnusedPort);
@@ -112,7 +112,7 @@ int claim(std::uint32_t domain, bool is_shared) {
   return claim;
 }
 
-/// @return another user with more domains than one gets.
+/// @return another user with more domains than one user is entitled to.
 std::optional<uid_t> squatter_of(const Holders& holders) {
   const auto squatter = std::ranges::find_if(holders, [](const auto& holder) {
     return holder.first != geteuid() &&
@@ -122,7 +122,7 @@ std::optional<uid_t> squatter_of(const Holders& holders) {
   return squatter->first;
 }
 
-/// @return how many sockets of others than `user` have the port of the domain.
+/// @return the number of sockets of users other than `user` on the port of the domain.
 std::size_t others(const Holders& holders, uid_t user, std::uint32_t domain) {
   std::size_t count = 0;
   for (const auto& [holder, sockets] : holders) {
@@ -135,13 +135,14 @@ std::size_t others(const Holders& holders, uid_t user, std::uint32_t domain) {
 int claim_beside(uid_t squatter, std::uint32_t domain) {
   if (others(holders_of_domains(), squatter, domain) != 0) return -1;
   const int claimed = claim(domain, true);
-  // Two programs that have claimed it at the same time both see the other, and both go on.
+  // If two programs claim it at the same time, both see each other, and both go on to another
+  // domain.
   if (claimed < 0 || others(holders_of_domains(), squatter, domain) == 1) return claimed;
   close(claimed);
   return -1;
 }
 
-/// Tries one domain after the other; each process begins at another one.
+/// Tries one domain after another; each process starts at a different one.
 template <typename Claim>
 int claim_first(std::uint32_t& domain, const Claim& claim_one) {
   const auto start = static_cast<std::uint32_t>(getpid());

@@ -8,20 +8,21 @@
 
 namespace vdrive::process {
 
-/// A DDS domain that no other program on this machine uses, of no user: this object has the port at
-/// which participants of the domain announce themselves, which is what makes them meet. The port is
-/// free when its process has ended, however it ended.
+/// A DDS domain that no other program of any user on this machine uses. This object holds the port
+/// at which participants of the domain announce themselves, and by which they meet. The port is
+/// free again when the process has ended, however it ended.
 class PrivateDomain {
  public:
-  /// Above what people use by hand, below the domains whose ports are in the ephemeral range.
+  /// Above the numbers that people choose by hand, below the domains with ports in the ephemeral
+  /// range.
   static constexpr std::uint32_t kFirst = 20;
   static constexpr std::uint32_t kCount = 80;
 
-  /// How many of them one user gets. Domains of another user who has more do not count as used,
-  /// where the ports can be shared.
+  /// Domains per user. The domains of another user who has more do not count as used, if the ports
+  /// can be shared.
   static constexpr std::size_t kMostOfOneUser = 64;
 
-  /// @throws std::runtime_error when there is no domain left, with the users who have them.
+  /// @throws std::runtime_error if no domain is left, naming the users who hold them.
   PrivateDomain();
 
   [[nodiscard]] std::uint32_t number() const noexcept { return number_; }
