@@ -56,7 +56,7 @@ Exception exception_of(const YamlValue& entry, const std::string& file_name) {
 constexpr std::string_view kMark = "judge:";
 constexpr std::string_view kBecause = " because ";
 
-/// @param comment what follows "judge:"
+/// @param comment the text after "judge:"
 Exception exception_of_comment(const std::string& comment, const std::string& place) {
   const auto refuse = [&place](const std::string& what) {
     throw settings::ConfigurationError(place + ": " + what);

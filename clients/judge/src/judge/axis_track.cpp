@@ -13,14 +13,15 @@
 namespace vdrive::judge {
 namespace {
 
-/// A node has followed its NMT start by then.
+/// By then a node has followed its NMT start.
 constexpr Time kStartTime = std::chrono::seconds(1);
 
-/// Of the way over the last positions, and of the last step of it: noise at standstill does not get
-/// there, whatever a unit is, because it is small beside the ways of the axis.
+/// Thresholds for the distance over the last positions, and for the last step of it. Noise at
+/// standstill stays below them whatever the unit is, because it is small compared with the travel
+/// of the axis.
 constexpr std::int64_t kMovingWay = 10;      // [user units]
 constexpr std::int64_t kMovingStep = 3;      // [user units]
-constexpr std::int64_t kMovingShare = 1000;  // of all that the axis has moved
+constexpr std::int64_t kMovingShare = 1000;  // of the total travel of the axis
 
 struct FactOfObject {
   ObjectAddress object;
@@ -64,7 +65,7 @@ constexpr std::array kTransitions{
 
 // clang-format on
 
-/// @return what a master waits for that has commanded the way to `state`.
+/// @return what a master that has commanded the transition to `state` waits for.
 Waiting waiting_for(PowerState state) {
   switch (state) {
     case PowerState::switch_on_disabled:
@@ -149,7 +150,7 @@ void AxisTrack::apply(const Write& write, Time now) {
 void AxisTrack::apply(const Reading& reading) {
   if (reading.is_of_the_master) facts |= Fact::kReads;
   if (reading.code != 0) return;
-  // What was written before the source began: the next word may have an edge against it.
+  // A value from before the source started: the next controlword may have an edge against it.
   if (reading.object == objects::kControlword) {
     if (!has_controlword) controlword = static_cast<std::uint16_t>(reading.value);
     has_controlword = true;
@@ -203,7 +204,7 @@ bool AxisTrack::apply(const Network& network, Time now) {
   const bool is_operational = network.state == NodeState::operational;
   const bool was_operational =
       node_state ? *node_state == NodeState::operational : is_status_pushed;
-  // A heartbeat that was on its way when the node was started.
+  // A heartbeat that was in transit when the node was started.
   const bool is_old = !network.is_command && network.state == NodeState::pre_operational &&
                       was_operational && started && now - *started < kStartTime;
   if (is_old) return false;

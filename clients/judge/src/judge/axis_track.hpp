@@ -16,7 +16,7 @@
 
 namespace vdrive::judge {
 
-/// Objects by name, where a rule speaks of them.
+/// Objects by name, as the rules refer to them.
 namespace objects {
 inline constexpr ObjectAddress kStore{0x1010, 1};
 inline constexpr ObjectAddress kErrorField{0x1003, 1};
@@ -47,15 +47,15 @@ inline constexpr ObjectAddress kTargetVelocity{0x60FF, 0};
 inline constexpr ObjectAddress kMotorSpeedLimit{0x5E11, 0};  ///< 6080h in user units, of vdrive
 }  // namespace objects
 
-/// Enable operation passes through Switched on in Ready to switch on (transitions 3 and 4), and
-/// does nothing in Quick stop active: transition 16 is optional.
-/// @return the state that `command` leads to; `state` where it has no transition.
+/// In Ready to switch on, Enable operation passes through Switched on (transitions 3 and 4). In
+/// Quick stop active it does nothing: transition 16 is optional.
+/// @return the state that `command` leads to; `state` if there is no transition.
 [[nodiscard]] PowerState state_after(PowerState state, PowerCommand command) noexcept;
 
-/// Values of objects that are known, by their address.
+/// Known values of objects, by address.
 class KnownValues {
  public:
-  /// More are not kept: those that rules ask for come with the first ones.
+  /// Further ones are dropped: those that the rules need are among the first.
   static constexpr std::size_t kMost = 512;
 
   void set(ObjectAddress object, std::int64_t value);
@@ -65,13 +65,13 @@ class KnownValues {
   std::vector<std::pair<ObjectAddress, std::int64_t>> values_;  ///< sorted
 };
 
-/// A position that is older says nothing about now.
+/// An older position says nothing about the present one.
 inline constexpr Time kFreshPosition{std::chrono::milliseconds(100)};
 
-/// Below it nothing jumps [user units].
+/// Smaller changes are not jumps [user units].
 inline constexpr std::int64_t kSmallJump = 100;
 
-/// What the master seems to wait for, as people note it next to a log.
+/// What the master appears to be waiting for.
 enum class Waiting : std::uint8_t {
   nothing,
   switch_on_disabled,
@@ -86,21 +86,21 @@ enum class Waiting : std::uint8_t {
   homing,
 };
 
-/// What is known of one axis: the words of the master, and what the drive showed last. It guesses
-/// nothing; what was not seen is absent.
+/// What is known about one axis: the commands of the master, and the last state shown by the drive.
+/// Nothing is guessed; anything not seen is absent.
 struct AxisTrack {
   // ---- the drive
   bool has_status = false;        ///< 6041h was shown since the last gap or restart
-  bool is_status_pushed = false;  ///< the drive sends each change of it without being asked
+  bool is_status_pushed = false;  ///< the drive sends every change of it unasked
   std::uint16_t statusword = 0;
   PowerState state = PowerState::not_ready_to_switch_on;
-  PowerState state_before = PowerState::not_ready_to_switch_on;  ///< of the status before
+  PowerState state_before = PowerState::not_ready_to_switch_on;  ///< in the previous status
   Time status_time{};
   Time state_since{};
   std::optional<std::int8_t> mode_shown;
   bool is_mode_pushed = false;
   Time mode_shown_time{};
-  Time mode_since{};  ///< the mode shown is the same from here on
+  Time mode_since{};  ///< since when the mode shown has not changed
   std::optional<std::int32_t> position;
   Time position_time{};
   std::optional<std::int32_t> demand;
@@ -108,15 +108,15 @@ struct AxisTrack {
   std::optional<std::int16_t> torque;
   std::uint16_t error_code = 0;
   std::optional<NodeState> node_state;
-  std::optional<Time> started;           ///< by the NMT master, and nothing else since
-  std::optional<Time> left_operational;  ///< until it is Operational again
+  std::optional<Time> started;           ///< by the NMT master, with no other change since
+  std::optional<Time> left_operational;  ///< reset when it is Operational again
 
   // ---- the master
   bool has_controlword = false;
   std::uint16_t controlword = 0;
   Time controlword_time{};
-  PowerCommand command = PowerCommand::none;  ///< the last one
-  /// The state that the commands lead to: that shown, until a command has another one.
+  PowerCommand command = PowerCommand::none;  ///< the last command
+  /// The state to which the commands lead: the state shown, until a command leads to another one.
   PowerState expected = PowerState::not_ready_to_switch_on;
   std::optional<std::int8_t> mode_wanted;
   Time mode_wanted_time{};
@@ -124,29 +124,29 @@ struct AxisTrack {
   Time target_time{};
   KnownValues values;
 
-  std::uint32_t facts = 0;  ///< that were seen
+  std::uint32_t facts = 0;  ///< the facts seen so far
 
   void apply(const Write& write, Time now);
   void apply(const Shown& shown, Time now);
   void apply(const Reading& reading);
 
-  /// @return whether the state is another one than before.
+  /// @return whether the state has changed.
   bool apply(const Network& network, Time now);
 
-  /// States may have changed unseen.
+  /// Called when states may have changed unseen.
   void forget();
 
-  /// The drive was restarted: nobody has seen the values that its objects have now.
+  /// Called when the drive was restarted: the present values of its objects are unknown.
   void restart();
 
-  /// @return the mode that 6061h shows, or where it was not shown since 6060h was written that.
+  /// @return the mode in 6061h or, if it was not shown since 6060h was written, the mode in 6060h.
   [[nodiscard]] std::optional<std::int8_t> mode_in_force() const noexcept;
 
   [[nodiscard]] bool is_in(OperatingMode mode) const noexcept {
     return mode_in_force() == static_cast<std::int8_t>(mode);
   }
 
-  /// @return whether the drive has shown that it is in a cyclic mode, 7 to 10.
+  /// @return whether the drive has shown a cyclic mode, 7 to 10.
   [[nodiscard]] bool is_cyclic() const noexcept;
 
   [[nodiscard]] bool is_enabled() const noexcept {
@@ -161,12 +161,12 @@ struct AxisTrack {
     return (controlword & bits) == bits;
   }
 
-  /// @return whether the axis moves, beyond doubt: its last positions went the same way, further
-  ///         than noise and a settling axis go, not long ago, and no bit of the statusword says
-  ///         that it stands.
+  /// @return whether the axis is certainly moving: its last positions went in one direction,
+  ///         further than noise or settling would take it, not long ago, and no bit of the
+  ///         statusword indicates standstill.
   [[nodiscard]] bool is_moving(Time now) const noexcept;
 
-  /// @return whether `place` is where the axis is, or was at one of its last positions.
+  /// @return whether the axis is at `place`, or was there at one of its last positions.
   [[nodiscard]] bool is_near(std::int64_t place) const noexcept;
 
   [[nodiscard]] Waiting waiting() const noexcept;
@@ -180,12 +180,12 @@ struct AxisTrack {
 
   static constexpr std::size_t kSteps = 3;
 
-  std::array<std::int64_t, kSteps> steps_{};  ///< from each of the last positions to the next
+  std::array<std::int64_t, kSteps> steps_{};  ///< between consecutive ones of the last positions
   std::int32_t lowest_ = 0;                   ///< position since the last gap or restart
-  std::int32_t highest_ = 0;                  ///< likewise
+  std::int32_t highest_ = 0;                  ///< position since the last gap or restart
 };
 
-/// @return whether `write` is in force: the drive has not refused it.
+/// @return whether `write` took effect: the drive has not refused it.
 [[nodiscard]] inline bool is_taken(const Write& write) noexcept {
   return write.fate == Fate::accepted || write.fate == Fate::unanswered ||
          write.fate == Fate::ignored;

@@ -9,11 +9,11 @@
 #include <array>
 #include <cstdint>
 
-/// What the records of a bench have in common, whether they come from a journal or from a bench
-/// that runs.
+/// Common properties of the records of a bench, whether they come from a journal or from a running
+/// bench.
 namespace vdrive::judge {
 
-/// What rules compare with. An axis of a bench has it from its start.
+/// The objects whose values the rules compare with. An axis of a bench has them from its start.
 inline constexpr std::array kKnownFromTheStart{
     objects::kControlword,       objects::kTarget,     objects::kShutdownOption,
     objects::kFollowingWindow,   objects::kMaxTorque,  objects::kLowerLimit,
@@ -22,14 +22,13 @@ inline constexpr std::array kKnownFromTheStart{
     objects::kAccelerationLimit,
 };
 
-/// @return whether it is an input of the test bench (5E00h and others): whoever writes it is no
-/// master.
+/// @return whether it is a test-bench input (5E00h and others): writing it does not make a master.
 [[nodiscard]] bool is_test_input(ObjectAddress object);
 
-/// @return what an axis shows in each tick.
+/// @return the state that an axis shows in each tick.
 [[nodiscard]] Shown shown_by(const AxisStatus& status) noexcept;
 
-/// @return what people call the axes of a bench, such as "axis 7.1".
+/// @return the display names of the axes of a bench, such as "axis 7.1".
 [[nodiscard]] AxisName axes_of_bench(std::uint32_t bench);
 
 }  // namespace vdrive::judge

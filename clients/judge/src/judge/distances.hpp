@@ -11,20 +11,20 @@
 
 namespace vdrive::judge {
 
-/// Distances in time between things that should come once a period: the period is the median of the
-/// first ones, the rest is a histogram.
+/// Intervals between events that should occur once per period. The period is the median of the
+/// first ones; the others are counted in a histogram.
 class Distances {
  public:
   static constexpr std::size_t kLearnt = 32;
 
-  /// @return the distance in periods, once the period is known.
+  /// @return the interval in periods, once the period is known.
   std::optional<double> put(Time distance);
 
   [[nodiscard]] std::optional<Time> period() const noexcept { return period_; }
 
   [[nodiscard]] std::uint64_t count() const noexcept { return count_; }
 
-  /// @return how many were shorter or longer than a period by more than a quarter of it.
+  /// @return how many differed from the period by more than a quarter of it.
   [[nodiscard]] std::uint64_t irregular() const noexcept { return irregular_; }
 
   /// @return the period and the histogram, such as "1 ms (0 shorter than 0.75 periods, 1250 up to

@@ -10,19 +10,19 @@
 
 namespace vdrive::judge {
 
-/// @return what people call an axis, such as "node 5" or "1.1".
+/// Returns the display name of an axis, such as "node 5" or "1.1".
 using AxisName = std::function<std::string(std::uint32_t axis)>;
 
 /// A rule that a master breaks on purpose.
 struct Exception {
   Rule rule{};
-  std::string axis{};    ///< by its name; empty = every axis
+  std::string axis{};    ///< by name; empty = every axis
   std::string reason{};  ///< never empty
-  std::string place{};   ///< where it stands, such as "exceptions.yaml:3"
+  std::string place{};   ///< where it is declared, such as "exceptions.yaml:3"
 };
 
-/// Moves the findings that an exception covers to Verdict::excepted.
-/// @return exceptions that cover no finding.
+/// Moves the findings that are covered by an exception to Verdict::excepted.
+/// @return the exceptions that cover no finding.
 std::vector<Exception> except(Verdict& verdict, const std::vector<Exception>& exceptions,
                               const AxisName& name_of);
 

@@ -14,20 +14,20 @@
 
 namespace vdrive::judge {
 
-/// Where something happened.
+/// The place of an event in its source.
 struct Place {
   Time time{};
-  std::uint64_t tick = 0;  ///< 0 = the source has none
-  std::uint64_t line = 0;  ///< likewise
+  std::uint64_t tick = 0;  ///< 0 = the source has no ticks
+  std::uint64_t line = 0;  ///< 0 = the source has no lines
 
   friend bool operator==(const Place&, const Place&) = default;
 };
 
-/// A line of the table around a finding: a change, and how the axis is after it.
+/// A line of the table around a finding: a change, and the state of the axis after it.
 struct Line {
   Place place;
-  std::optional<Write> write;    ///< of the master; else the drive or the bus has changed
-  std::string_view event;        ///< what the bus or the drive did; static
+  std::optional<Write> write;    ///< by the master; otherwise a change of drive or bus
+  std::string_view event;        ///< the event on the bus or in the drive; static
   std::uint16_t event_code = 0;  ///< of an emergency
   std::optional<std::uint16_t> controlword;
   std::optional<std::uint16_t> statusword;
@@ -37,7 +37,7 @@ struct Line {
   Waiting waiting = Waiting::nothing;
 };
 
-/// A point of the picture around a finding.
+/// A point of the plot around a finding.
 struct Sample {
   Time time{};
   std::optional<std::int32_t> position;
@@ -46,16 +46,16 @@ struct Sample {
   std::uint16_t statusword = 0;
 };
 
-/// A rule that a master has broken on an axis, once for all times that it did.
+/// A rule that a master has broken on an axis; one finding for all occurrences.
 struct Finding {
   Rule rule{};
   std::uint32_t axis = 0;
   std::uint64_t count = 0;
   Place first;
   Place last;
-  std::string happened;         ///< the first time
-  std::vector<Line> lines;      ///< around the first time, oldest first
-  std::vector<Sample> samples;  ///< likewise
+  std::string happened;         ///< description of the first occurrence
+  std::vector<Line> lines;      ///< around the first occurrence, oldest first
+  std::vector<Sample> samples;  ///< around the first occurrence, oldest first
 };
 
 }  // namespace vdrive::judge

@@ -12,7 +12,7 @@
 
 namespace vdrive::judge {
 
-/// The last changes of one axis, and what follows a finding. Its size is bounded.
+/// The last changes of one axis; also collects what follows a finding. Its size is bounded.
 class History {
  public:
   static constexpr std::size_t kLinesBefore = 16;
@@ -23,30 +23,30 @@ class History {
   void put(const Line& line);
   void put(const Sample& sample);
 
-  /// The finding gets what was before, and what comes.
-  /// @param finding stays where it is
+  /// Gives the finding the preceding lines and samples, and later the following ones.
+  /// @param finding must keep its address
   void open(Finding& finding);
 
-  /// Findings get nothing any more.
+  /// Ends the collection for all findings.
   void close() { windows_.clear(); }
 
  private:
   struct Window {
     Finding* finding;
-    std::size_t lines;    ///< that it still takes
-    std::size_t samples;  ///< likewise
+    std::size_t lines;    ///< still to be added
+    std::size_t samples;  ///< still to be added
   };
 
   std::deque<Line> lines_;
-  std::vector<Sample> samples_;    ///< the last ones, as a ring
-  std::size_t oldest_sample_ = 0;  ///< once the ring is full
+  std::vector<Sample> samples_;    ///< the last ones, in a ring buffer
+  std::size_t oldest_sample_ = 0;  ///< used once the ring is full
   std::vector<Window> windows_;
 };
 
-/// What has been found, each rule of an axis once.
+/// The findings, one per rule and axis.
 class Findings {
  public:
-  /// @param text made for the first time only, or each time where the rule has figures
+  /// @param text called for the first occurrence only, or each time if the rule has figures
   template <typename Text>
   void report(Rule rule, std::uint32_t axis, const Place& place, History& history,
               const Text& text) {
@@ -63,7 +63,7 @@ class Findings {
     if (is_new || row_of(rule).is_figure) finding.happened = text();
   }
 
-  /// @return all of them, worst first, then by rule and axis.
+  /// @return all findings, worst first, then by rule and axis.
   [[nodiscard]] std::vector<Finding> all() const;
 
   void clear() { findings_.clear(); }
@@ -72,14 +72,14 @@ class Findings {
   std::map<std::pair<Rule, std::uint32_t>, Finding> findings_;
 };
 
-/// What a rule sees of an axis at one record.
+/// The view that a rule has of an axis at one record.
 struct Context {
   const AxisTrack& track;
   Findings& findings;
   History& history;
   std::uint32_t axis = 0;
   Place place;
-  bool has_time = true;  ///< durations mean something
+  bool has_time = true;  ///< durations are meaningful
 
   [[nodiscard]] Time now() const noexcept { return place.time; }
 

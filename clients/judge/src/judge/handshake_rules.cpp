@@ -13,10 +13,10 @@ namespace {
 
 using namespace std::chrono_literals;
 
-constexpr Time kAcknowledgeTime = 100ms;  ///< a drive that takes a set-point shows it sooner
+constexpr Time kAcknowledgeTime = 100ms;  ///< a drive that takes a set-point acknowledges it sooner
 constexpr Time kNeverAcknowledged = 1s;
-constexpr Time kLoopOfADrive = 1ms;      ///< the shortest that manuals name
-constexpr Time kStreamDistance = 100ms;  ///< targets of a stream follow each other so closely
+constexpr Time kLoopOfADrive = 1ms;      ///< the shortest in any manual
+constexpr Time kStreamDistance = 100ms;  ///< longest interval between the targets of a stream
 constexpr std::uint32_t kStreamTargets = 20;
 constexpr std::uint32_t kKeptRelative = 2;
 
@@ -55,7 +55,7 @@ void HandshakeRules::take_word(const Write& write, std::uint16_t word, const Con
   rise(word, context);
 }
 
-/// A bit that acts by its edge has to stay until the drive has seen it.
+/// A bit that acts by its edge must stay set until the drive has seen it.
 void HandshakeRules::watch_pulse(std::uint16_t word, const Context& context) {
   const AxisTrack& track = context.track;
   const auto rises = [&](std::uint16_t bit) {
@@ -64,7 +64,7 @@ void HandshakeRules::watch_pulse(std::uint16_t word, const Context& context) {
   if (pulse_ && is_up(track.controlword, pulse_->bit) && !is_up(word, pulse_->bit)) {
     end_pulse(context);
   }
-  // Only where the drive has something to do.
+  // Only if the drive has something to do.
   const bool starts = track.is_enabled() && (track.is_in(OperatingMode::profile_position) ||
                                              track.is_in(OperatingMode::homing));
   if (rises(Controlword::kNewSetPoint) && track.has_controlword && starts) {
@@ -98,7 +98,7 @@ void HandshakeRules::rise(std::uint16_t word, const Context& context) {
     }
     return;
   }
-  // Some drives show bit 12 from the enabling on, until the first set-point.
+  // Some drives show bit 12 from enabling until the first set-point.
   const bool is_of_this_mode = track.is_status_pushed || track.status_time >= track.mode_since;
   if (track.shows(Statusword::kSetPointAcknowledge) && has_taken_ && is_of_this_mode) {
     context.report(Rule::handshake_before_acknowledge_fell, [&] {
@@ -140,11 +140,11 @@ void HandshakeRules::fall(std::uint16_t word, const Context& context) {
   edge_.reset();
 }
 
-/// A word with bit 4 up, as the one before.
+/// A controlword with bit 4 still set.
 void HandshakeRules::stay(const Write& write, const Context& context) {
   if (targets_without_edge_ == 0 || !edge_ || !edge_->is_acknowledged) return;
-  if (!context.track.is_in(OperatingMode::profile_position)) return;  // a level, or nothing
-  // A PDO repeats its word each cycle: a master that prepares its next target is right for a while.
+  if (!context.track.is_in(OperatingMode::profile_position)) return;  // a level, or unused
+  // A PDO repeats its controlword each cycle: a master may prepare its next target for a while.
   const bool is_meant = write.channel != Channel::pdo;
   if (!is_meant && context.now() - first_without_edge_ < kAcknowledgeTime) return;
   targets_without_edge_ = 0;
@@ -193,7 +193,7 @@ void HandshakeRules::note_stream(const Context& context) {
   }
   last_target_ = context.now();
   ++stream_targets_;
-  // Without any edge the targets are no set-points: 607Ah may follow 6064h.
+  // Without any edge the targets are not set-points: 607Ah may be tracking 6064h.
   if (stream_targets_ < kStreamTargets || stream_edges_ == 0 ||
       stream_edges_ + 1 >= stream_targets_) {
     return;

@@ -12,10 +12,10 @@ namespace vdrive::judge {
 /// Set-points of profile position: bits 4, 5, 6 and 12 (CiA 402-2).
 class HandshakeRules {
  public:
-  /// Before the track of `context` has the write.
+  /// To be called before the track of `context` is updated with the write.
   void take(const Write& write, const Context& context);
 
-  /// After the track of `context` has what was shown.
+  /// To be called after the track of `context` was updated.
   void take(const Shown& shown, const Context& context);
 
   void forget();
@@ -30,10 +30,10 @@ class HandshakeRules {
   void stay(const Write& write, const Context& context);
   void note_stream(const Context& context);
 
-  /// The edge that waits for its acknowledge.
+  /// The edge that is waiting for its acknowledge.
   struct Edge {
     Time time{};
-    bool had_target = false;  ///< 607Ah was written since the edge before
+    bool had_target = false;  ///< 607Ah was written since the previous edge
     bool is_acknowledged = false;
     bool is_reported = false;
   };
@@ -44,14 +44,14 @@ class HandshakeRules {
     Time time{};
   };
 
-  std::optional<Edge> edge_;   ///< while bit 4 is up in Operation enabled
+  std::optional<Edge> edge_;   ///< while bit 4 is set in Operation enabled
   bool saw_disabled_ = false;  ///< the source shows the axis from before it was enabled
   bool has_taken_ = false;     ///< a set-point since Operation enabled
   bool has_target_ = false;    ///< 607Ah was written since the last edge
-  std::uint32_t targets_without_edge_ = 0;  ///< other values of 607Ah while bit 4 stays up
+  std::uint32_t targets_without_edge_ = 0;  ///< other values of 607Ah while bit 4 stays set
   Time first_without_edge_{};
-  bool is_relative_left_ = false;    ///< bit 6 stayed up when bit 4 fell
-  bool had_absolute_ = false;        ///< a set-point with bit 6 = 0 came before
+  bool is_relative_left_ = false;    ///< bit 6 stayed set when bit 4 fell
+  bool had_absolute_ = false;        ///< there was an earlier set-point with bit 6 = 0
   std::uint32_t relative_kept_ = 0;  ///< set-points with a bit 6 that was never cleared
   std::optional<Pulse> pulse_;
   std::uint32_t stream_targets_ = 0;

@@ -19,7 +19,7 @@
 namespace vdrive::judge {
 namespace {
 
-/// One axis: its track, and what each group of rules keeps of it.
+/// The track of one axis, and the state of each group of rules for it.
 class AxisJudge {
  public:
   AxisJudge(std::uint32_t axis, const SourceFacts& facts, Findings& findings)
@@ -45,7 +45,7 @@ class AxisJudge {
     history_.close();
   }
 
-  /// @return facts that the source has shown of this axis.
+  /// @return the facts that the source has shown about this axis.
   [[nodiscard]] std::uint32_t facts() const noexcept {
     const std::uint32_t sessions = shows_sessions_ ? 0U : Fact::kSessions;
     return track_.facts & ~sessions;
@@ -234,13 +234,13 @@ struct Judge::State {
   SourceFacts facts;
   Findings findings;
   std::map<std::uint32_t, AxisJudge> axes;
-  std::vector<AxisJudge*> by_number;  ///< of `axes`: each record asks for one
+  std::vector<AxisJudge*> by_number;  ///< into `axes`, for fast access by each record
   std::uint64_t records = 0;
   Time first{};
   Time last{};
 };
 
-/// A rule that lacks several facts stands at the first one.
+/// A rule that lacks several facts is listed under the first one.
 std::vector<Unjudged> Judge::State::unjudged() const {
   std::map<std::pair<std::uint32_t, std::vector<std::uint32_t>>, std::vector<Rule>> by_axes;
   for (const RuleRow& row : rules()) {

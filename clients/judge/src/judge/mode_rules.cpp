@@ -18,7 +18,7 @@ using namespace std::chrono_literals;
 constexpr Time kAgainTime = 10s;
 constexpr std::size_t kAgainWrites = 3;
 constexpr std::uint32_t kForeignWrites = 5;
-constexpr Time kPulse = 500ms;  ///< a start that is dropped sooner was meant as a pulse
+constexpr Time kPulse = 500ms;  ///< a start that is cleared sooner was meant as a pulse
 constexpr Time kSilentHoming = 100ms;
 constexpr Time kNeverStarted = 1s;
 
@@ -48,7 +48,7 @@ bool is_of_mode(const TargetRow& row, std::int8_t mode) {
   return std::ranges::find(row.modes, static_cast<OperatingMode>(mode)) != row.modes.end();
 }
 
-/// @return whether bit 4 starts something in this mode.
+/// @return whether bit 4 starts an action in this mode.
 bool starts_by_bit_4(std::int8_t mode) {
   return mode == static_cast<std::int8_t>(OperatingMode::profile_position) ||
          mode == static_cast<std::int8_t>(OperatingMode::homing) ||
@@ -82,9 +82,8 @@ bool is_homing_running(const AxisTrack& track) {
          (track.statusword & (kHomingEnded | Statusword::kTargetReached)) == 0;
 }
 
-/// @return whether a word interrupts homing: it drops bit 4 or removes the power. A quick stop and
-/// a
-///         halt do so on purpose, and do not count.
+/// @return whether a controlword interrupts homing: it clears bit 4 or removes the power. A quick
+///         stop and a halt do so on purpose and do not count.
 bool ends_homing(std::uint16_t word, const AxisTrack& track) {
   const PowerCommand decoded = decode_command(word, track.controlword);
   if (decoded == PowerCommand::quick_stop || (word & Controlword::kHalt) != 0) return false;
@@ -161,7 +160,8 @@ void ModeRules::take_word(const Write& write, const Context& context) {
 
 bool ModeRules::is_homing_unseen(const Context& context) const noexcept {
   if (!homing_start_ || is_homing_shown_ || !was_attained_at_start_) return false;
-  // One that is done at once changes no bit: a drive that sends changes has nothing to send.
+  // A homing that completes immediately changes no bit, so a drive that sends changes has nothing
+  // to send.
   return !context.track.is_status_pushed || context.now() - *homing_start_ <= kSilentHoming;
 }
 
@@ -183,12 +183,12 @@ void ModeRules::leave_homing(const Context& context) {
   });
 }
 
-/// A word with bit 4 up as the one before, after a homing that has ended.
+/// A controlword with bit 4 still set, after a homing that has ended.
 void ModeRules::stay_in_homing(const Write& write, const Context& context) {
   const AxisTrack& track = context.track;
   const bool is_meant = write.channel == Channel::sdo || write.channel == Channel::request;
   const bool is_same = write.value == track.controlword;
-  // Bit 12 alone: the origin is found, and the axis still moves.
+  // With bit 12 alone, the origin is found but the axis is still moving.
   const bool has_ended = track.shows(Statusword::kHomingAttained | Statusword::kTargetReached) ||
                          track.shows(Statusword::kHomingError);
   if (!is_meant || !is_same || !track.is_enabled() || !track.is_in(OperatingMode::homing) ||
@@ -241,7 +241,7 @@ void ModeRules::take(const Shown& shown, const Context& context) {
   if (homing_start_ && is_homing_shown_ && (track.statusword & kHomingEnded) != 0) {
     homing_start_.reset();
   }
-  // Bit 4 is up from before the mode: nothing starts.
+  // Bit 4 was set before the mode: nothing starts.
   const Time since = std::max(track.mode_since, track.state_since);
   const bool is_idle = (track.statusword & (kHomingEnded | Statusword::kTargetReached)) ==
                        Statusword::kTargetReached;

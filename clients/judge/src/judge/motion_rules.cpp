@@ -17,12 +17,12 @@ namespace {
 
 using namespace std::chrono_literals;
 
-constexpr std::int64_t kStepsOfAJump = 20;  // a jump is so many times the longest step
+constexpr std::int64_t kStepsOfAJump = 20;  // a jump is this many times the longest step
 constexpr std::uint32_t kStepsToKnow = 10;
 constexpr Time kStandingTarget = 1s;      // an older one is not streamed
-constexpr std::int64_t kCertainStep = 4;  // [user units]: each cycle has a new target then
+constexpr std::int64_t kCertainStep = 4;  // [user units]: above it, each cycle has a new target
 constexpr double kGap = 1.5;              // [periods]
-constexpr double kPause = 20;             // [periods]: the stream has ended, and another one begins
+constexpr double kPause = 20;             // [periods]: the stream has ended, and another one starts
 constexpr double kSpeedTolerance = 1.05;
 constexpr std::uint32_t kStepsOfAStretch = 8;
 constexpr Time kSaturated = 500ms;
@@ -94,7 +94,7 @@ void MotionRules::begin_stream(const Context& context) {
   step_before_repeat_ = 0;
   corner_count_ = 0;
   steps_ = 0;
-  if (!saw_not_following_) {  // the stream began before the source did
+  if (!saw_not_following_) {  // the stream started before the source
     awaits_first_ = false;
     return;
   }
@@ -116,7 +116,7 @@ void MotionRules::note_first(std::int64_t target, const Context& context) {
   judge_first(false, context);
 }
 
-/// @param is_over no further step comes
+/// @param is_over no further step follows
 void MotionRules::judge_first(bool is_over, const Context& context) {
   if (!first_) return;
   const std::int64_t jump = std::abs(first_->target - first_->actual);
@@ -153,7 +153,7 @@ void MotionRules::take_streamed(std::int64_t target, const Context& context) {
   }
   const Time distance = context.now() - last_time_;
   const std::int64_t step = target - *last_target_;
-  if (distance <= Time{0}) {  // it replaces the one before
+  if (distance <= Time{0}) {  // it replaces the previous one
     last_target_ = target;
     return;
   }
@@ -185,7 +185,7 @@ void MotionRules::judge_step(std::int64_t step, Time distance, const Context& co
   const auto of_motor = context.track.values.find(objects::kMotorSpeedLimit);
   const bool is_of_motor = of_motor && *of_motor > 0 && *of_motor < *limit;
   if (is_of_motor) limit = of_motor;
-  // One unit is lost by rounding at either end.
+  // Rounding costs one unit at each end.
   const double longest = kSpeedTolerance * static_cast<double>(*limit) *
                              seconds_of(std::max(distance, *distances_.period())) +
                          2;
@@ -197,7 +197,8 @@ void MotionRules::judge_step(std::int64_t step, Time distance, const Context& co
   });
 }
 
-/// From cycle to cycle a target is a whole number, and an acceleration made of it no measure.
+/// Targets are integers, so an acceleration computed from one cycle to the next would be
+/// meaningless.
 void MotionRules::judge_acceleration(std::int64_t target, const Context& context) {
   const auto limit = context.track.values.find(objects::kAccelerationLimit);
   if (!limit || *limit <= 0 || (context.track.facts & Fact::kSpeedUnit) == 0) return;
@@ -217,7 +218,7 @@ void MotionRules::judge_acceleration(std::int64_t target, const Context& context
   const double acceleration =
       std::abs(way_after / after - way_before / before) * 2 / (before + after);
   const double shorter = std::min(before, after);
-  const double rounding = 4 / (shorter * shorter);  // of one unit at each corner
+  const double rounding = 4 / (shorter * shorter);  // one unit at each corner
   const bool is_regular = std::max(before, after) < kGap * shorter;
   corners_ = {middle, now};
   if (!is_regular || acceleration <= kSpeedTolerance * static_cast<double>(*limit) + rounding) {

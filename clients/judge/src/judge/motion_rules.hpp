@@ -14,16 +14,16 @@ namespace vdrive::judge {
 /// Targets, limits, and streams of cyclic synchronous position (CiA 402-2).
 class MotionRules {
  public:
-  /// Before the track of `context` has the write.
+  /// To be called before the track of `context` is updated with the write.
   void take(const Write& write, const Context& context);
 
-  /// After the track of `context` has what was shown.
+  /// To be called after the track of `context` was updated.
   void take(const Shown& shown, const Context& context);
 
   void forget();
 
  private:
-  /// The first target of a stream, until it is known how long its steps are.
+  /// The first target of a stream, kept until the length of its steps is known.
   struct FirstTarget {
     std::int64_t target = 0;
     std::int64_t actual = 0;
@@ -53,25 +53,25 @@ class MotionRules {
   bool is_homing_attained_ = false;
   std::optional<std::int64_t> last_target_;
   std::int64_t last_step_ = 0;
-  std::int64_t step_before_repeat_ = 0;  ///< 0 = the last step was no repeat
+  std::int64_t step_before_repeat_ = 0;  ///< 0 = the last step was not a repetition
   Time last_time_{};
   Distances distances_;
 
-  /// Every kStepsOfAStretch-th target: the speed from one to the next is exact enough to compare.
+  /// Every kStepsOfAStretch-th target: the speed between two of them is accurate enough to compare.
   struct Corner {
     std::int64_t target = 0;
     Time time{};
   };
 
   std::array<Corner, 2> corners_{};  ///< the last ones, oldest first
-  std::uint32_t corner_count_ = 0;   ///< of them that there are
+  std::uint32_t corner_count_ = 0;   ///< number of valid corners
   std::uint32_t steps_ = 0;          ///< since the last one
   std::uint64_t repeats_ = 0;
   std::uint64_t late_ = 0;
   std::int64_t largest_error_ = 0;
   std::optional<Time> saturated_since_;
   bool is_saturation_reported_ = false;
-  bool is_beyond_ = false;  ///< the last target was beyond 607Dh, and is reported
+  bool is_beyond_ = false;  ///< the last target was beyond 607Dh and has been reported
 };
 
 }  // namespace vdrive::judge

@@ -17,16 +17,16 @@ using namespace std::chrono_literals;
 constexpr std::uint8_t kLastSynchronousType = 240;
 constexpr std::uint8_t kFirstEventDrivenType = 254;
 constexpr Time kTwoSessions = 1s;
-constexpr Time kStillInUse = 1s;   ///< a PDO that was longer ago may have been another master's
-constexpr Time kUnderWay = 200ms;  ///< what was sent before the master saw the node's new state
+constexpr Time kStillInUse = 1s;   ///< an older PDO may have been from another master
+constexpr Time kUnderWay = 200ms;  ///< for messages sent before the master saw the new state
 constexpr std::uint32_t kWithoutSync = 3;
 constexpr Time kNoSync = 1s;
 constexpr std::uint32_t kCyclesOfAStream = 50;
 constexpr std::uint64_t kSyncsToJudge = 100;
 constexpr double kPeriodTolerance = 0.1;
-constexpr std::uint64_t kIrregularOf = 20;  ///< one of so many distances of SYNC is no accident
+constexpr std::uint64_t kIrregularOf = 20;  ///< one irregular SYNC in so many is no accident
 
-/// What commands motion: two writers of it are two masters.
+/// Objects that command motion: if two writers write them, there are two masters.
 bool is_command(ObjectAddress object) {
   return object == objects::kControlword || object == objects::kTarget ||
          object == objects::kMode || object == objects::kTargetVelocity ||
@@ -38,7 +38,7 @@ std::string name_of(NodeState state) {
   return state == NodeState::pre_operational ? "Pre-operational" : "Initialising";
 }
 
-/// A pause is no distance: the master has stopped its SYNC on purpose.
+/// A pause does not count as an interval: the master has stopped its SYNC on purpose.
 void put_distance(Distances& distances, Time distance) {
   constexpr int kPeriodsOfAPause = 20;
   const auto period = distances.period();
@@ -77,7 +77,7 @@ void NetworkRules::take(const Network& network) {
   if (network.state != NodeState::operational) shared_.clear();
 }
 
-/// A PDO that still carries the old value undoes what SDO wrote.
+/// A PDO that still carries the old value undoes an SDO write.
 void NetworkRules::take_shared(const Write& write, const Context& context) {
   const auto known = shared_.find(write.object);
   if (write.channel == Channel::sdo) {
@@ -128,7 +128,7 @@ void NetworkRules::take(const ReceivePdo& pdo, const Context& context) {
   wait_for_sync(pdo.number, known, context);
 }
 
-/// A synchronous PDO came, and there was no SYNC for long.
+/// A synchronous PDO has arrived after a long time without SYNC.
 void NetworkRules::wait_for_sync(std::uint16_t number, Pdo& pdo, const Context& context) {
   if (pdo.without_sync++ == 0) pdo.first_without_sync = context.now();
   const Time since = context.now() - pdo.first_without_sync;
@@ -143,7 +143,7 @@ void NetworkRules::wait_for_sync(std::uint16_t number, Pdo& pdo, const Context& 
 void NetworkRules::take(const Sync& /*sync*/, const Context& context) {
   const bool is_cyclic = context.track.is_enabled() && context.track.is_cyclic();
   for (auto& [number, pdo] : pdos_) end_cycle(number, pdo, context);
-  if (is_cyclic && !is_cyclic_) {  // SYNC before the stream may have had another period
+  if (is_cyclic && !is_cyclic_) {  // SYNC may have had another period before the stream
     syncs_.reset();
     targets_.reset();
     last_target_sync_.reset();
@@ -187,7 +187,7 @@ void NetworkRules::judge_period(const Context& context) {
   if (!units || !period || is_period_judged_) return;
   is_period_judged_ = true;
   constexpr std::int64_t kMilliseconds = -3;
-  constexpr std::int64_t kLowest = -128;  // 60C2h:02 is an INTEGER8; it may be wrong, or of a log
+  constexpr std::int64_t kLowest = -128;  // 60C2h:02 is an INTEGER8; in a log it may be wrong
   constexpr std::int64_t kHighest = 63;
   const std::int64_t index = std::clamp(
       context.track.values.find(objects::kCycleIndex).value_or(kMilliseconds), kLowest, kHighest);

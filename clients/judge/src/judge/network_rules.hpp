@@ -12,10 +12,10 @@
 
 namespace vdrive::judge {
 
-/// Writers of one object, PDOs, SYNC (CiA 301).
+/// Multiple writers of an object, PDOs, SYNC (CiA 301).
 class NetworkRules {
  public:
-  /// Before the track of `context` has the write.
+  /// To be called before the track of `context` is updated with the write.
   void take(const Write& write, const Context& context);
   void take(const ReceivePdo& pdo, const Context& context);
   void take(const Sync& sync, const Context& context);
@@ -25,10 +25,10 @@ class NetworkRules {
 
  private:
   struct Pdo {
-    std::optional<std::uint8_t> type;  ///< transmission type, where it is known
+    std::optional<std::uint8_t> type;  ///< transmission type, if known
     std::uint32_t since_sync = 0;
     std::uint32_t without_sync = 0;
-    std::uint32_t one_a_cycle = 0;  ///< cycles of SYNC with exactly one
+    std::uint32_t one_a_cycle = 0;  ///< SYNC cycles with exactly one
     Time first_without_sync{};
   };
 
@@ -36,10 +36,10 @@ class NetworkRules {
   static void end_cycle(std::uint16_t number, Pdo& pdo, const Context& context);
   void judge_period(const Context& context);
 
-  /// What writers have made of an object that PDOs carry.
+  /// The values written to an object that is mapped in a PDO.
   struct Shared {
     std::int64_t of_pdo = 0;             ///< value of the last PDO
-    std::optional<std::int64_t> of_sdo;  ///< value that SDO wrote since
+    std::optional<std::int64_t> of_sdo;  ///< value written by SDO since
     Time pdo_time{};                     ///< of the last PDO
     Time sdo_time{};
   };
@@ -49,14 +49,14 @@ class NetworkRules {
   std::map<ObjectAddress, Shared> shared_;
   std::map<std::uint16_t, Pdo> pdos_;
   std::optional<Time> last_sync_;
-  Distances syncs_;          ///< of the stream that is under way
+  Distances syncs_;          ///< of the present stream
   bool is_cyclic_ = false;   ///< at the last SYNC
   bool has_target_ = false;  ///< since the last SYNC
   std::optional<Time> last_target_sync_;
-  Distances targets_;  ///< between the SYNCs after which a target came
+  Distances targets_;  ///< between the SYNCs that were followed by a target
   bool is_period_judged_ = false;
   std::uint64_t writer_ = 0;         ///< of the last command
-  std::uint64_t writer_before_ = 0;  ///< another one, of the command before
+  std::uint64_t writer_before_ = 0;  ///< a different one, of the previous command
   Time writer_since_{};
 };
 

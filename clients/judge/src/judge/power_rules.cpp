@@ -11,14 +11,14 @@ namespace {
 
 using namespace std::chrono_literals;
 
-constexpr Time kReactionToFault = 100ms;  ///< what a master sent before it saw the fault
-constexpr Time kKeptBit = 500ms;          ///< a PDO repeats its word: so long is no accident
-constexpr Time kAnswerByChange = 500ms;   ///< a drive that sends changes has none after so long
+constexpr Time kReactionToFault = 100ms;  ///< for messages sent before the master saw the fault
+constexpr Time kKeptBit = 500ms;  ///< a PDO repeats its controlword: this long is no accident
+constexpr Time kAnswerByChange = 500ms;  ///< a drive that sends changes has none after this time
 constexpr Time kStormTime = 10s;
 constexpr std::size_t kStormResets = 5;
 constexpr Time kPowerOnTime = 1s;
 
-/// @return whether `state` takes `command`: it leads somewhere, or does no harm.
+/// @return whether `state` accepts `command`: there is a transition, or the command is harmless.
 bool has_command(PowerState state, PowerCommand command) {
   switch (command) {
     case PowerCommand::none:
@@ -147,7 +147,7 @@ void PowerRules::reset(const Context& context) {
   resets_.clear();
 }
 
-/// A word with bit 7 up, as the one before.
+/// A controlword with bit 7 still set.
 void PowerRules::keep_reset_bit(const Write& write, const Context& context) {
   const AxisTrack& track = context.track;
   if (track.state != PowerState::fault || has_reset_) return kept_since_.reset();
@@ -165,7 +165,7 @@ void PowerRules::remove_power(PowerCommand command, const Context& context) {
   const AxisTrack& track = context.track;
   const bool is_powered =
       track.state == PowerState::operation_enabled || track.state == PowerState::quick_stop_active;
-  // Whether Shutdown brakes first 605Bh says: only a known 0 does not.
+  // 605Bh selects whether Shutdown brakes first: only a known 0 means that it does not.
   const bool coasts =
       command == PowerCommand::disable_voltage ||
       (command == PowerCommand::shutdown && track.values.find(objects::kShutdownOption) == 0);

@@ -10,16 +10,16 @@
 
 namespace vdrive::judge {
 
-/// Commands of the power state machine, resets, and stops before the power goes (CiA 402-2).
+/// Commands of the power state machine, resets, and stops before power is removed (CiA 402-2).
 class PowerRules {
  public:
-  /// Before the track of `context` has the write.
+  /// To be called before the track of `context` is updated with the write.
   void take(const Write& write, const Context& context);
 
-  /// After the track of `context` has what was shown.
+  /// To be called after the track of `context` was updated.
   void take(const Shown& shown, const Context& context);
 
-  /// The cause of a fault has reached the master.
+  /// Records that the master has learned the cause of a fault.
   void note_cause() noexcept { is_cause_known_ = true; }
 
   void forget();
@@ -33,11 +33,11 @@ class PowerRules {
   void give_up(PowerCommand command, const Context& context);
 
   bool is_cause_known_ = false;
-  std::optional<Time> reset_;       ///< edge of bit 7 in Fault; no status came since
-  bool has_reset_ = false;          ///< an edge of bit 7 came in this fault
-  std::optional<Time> kept_since_;  ///< bit 7 is up in Fault without an edge
+  std::optional<Time> reset_;       ///< edge of bit 7 in Fault; no status has arrived since
+  bool has_reset_ = false;          ///< there was an edge of bit 7 in this fault
+  std::optional<Time> kept_since_;  ///< bit 7 is set in Fault without an edge
   std::deque<Time> resets_;         ///< the last ones
-  std::optional<Time> power_on_;    ///< a command that needs power stage or brake is under way
+  std::optional<Time> power_on_;    ///< a command that needs power stage or brake is in progress
 };
 
 }  // namespace vdrive::judge

@@ -11,48 +11,48 @@
 
 namespace vdrive::judge {
 
-/// What the judge takes: a sequence of what a master wrote and what a drive showed. An adapter
-/// makes it of a journal, a log of a bus, or a bench that runs.
+/// The input of the judge: a sequence of writes by a master and states shown by a drive. An adapter
+/// makes it from a journal, a bus log or a running bench.
 
-/// Since any beginning that stays: of a log its own clock, of a journal drive time.
+/// Since a fixed origin: for a log its own clock, for a journal drive time.
 using Time = std::chrono::nanoseconds;
 
-/// How a write has come to the drive.
+/// How a write reached the drive.
 enum class Channel : std::uint8_t {
   sdo,      ///< acyclic, on a CAN bus
-  pdo,      ///< cyclic or by an event, on a CAN bus: it repeats what has not changed
-  request,  ///< acyclic, of a bench
-  frame,    ///< of set-points, of a bench
+  pdo,      ///< cyclic or event-driven, on a CAN bus: it repeats unchanged values
+  request,  ///< acyclic, on a bench
+  frame,    ///< of set-points, on a bench
 };
 
-/// What became of a write.
+/// The result of a write.
 enum class Fate : std::uint8_t {
   accepted,
   refused,     ///< with an abort code
   ignored,     ///< by the rules of the drive: a set-point that it could not take
-  late,        ///< the time for which it was meant was over
-  unanswered,  ///< the source does not show an answer; it counts as accepted
+  late,        ///< it arrived after the time for which it was meant
+  unanswered,  ///< the source contains no answer; it counts as accepted
 };
 
-/// An object that a master wrote. Of those that come together 6040h is the last one.
+/// An object written by a master. Of writes that arrive together, 6040h is the last one.
 struct Write {
   ObjectAddress object;
   std::int64_t value = 0;
   Channel channel = Channel::request;
   Fate fate = Fate::accepted;
   std::uint32_t code = 0;    ///< of a refusal: the abort code (CiA 301)
-  std::uint64_t writer = 0;  ///< session of a bench, number of an RPDO; 0 = not known
+  std::uint64_t writer = 0;  ///< session on a bench, number of an RPDO; 0 = unknown
 };
 
-/// What a master has learnt of an object, by reading it or because the source knows it.
+/// The value of an object that a master has learned by reading it, or that the source knows.
 struct Reading {
   ObjectAddress object;
   std::int64_t value = 0;
   std::uint32_t code = 0;        ///< of a refusal
-  bool is_of_the_master = true;  ///< it asked; false = the source knows the value
+  bool is_of_the_master = true;  ///< the master asked; false = the source knows the value
 };
 
-/// Which members of a `Shown` there are.
+/// The members that a `Shown` can contain.
 struct ShownMember {
   static constexpr std::uint16_t kStatusword = 1U << 0U;
   static constexpr std::uint16_t kMode = 1U << 1U;
@@ -63,7 +63,7 @@ struct ShownMember {
   static constexpr std::uint16_t kErrorCode = 1U << 6U;
 };
 
-/// What a drive showed at one moment.
+/// The state that a drive showed at one moment.
 struct Shown {
   std::uint16_t members = 0;
   std::uint16_t statusword = 0;      ///< 6041h
@@ -73,20 +73,20 @@ struct Shown {
   std::int32_t demand = 0;           ///< 6062h [user units]
   std::int32_t following_error = 0;  ///< 60F4h [user units]
   std::int8_t mode = 0;              ///< 6061h
-  bool is_asked_for = false;  ///< the master read it; else the drive sends each change itself
+  bool is_asked_for = false;  ///< the master read it; otherwise the drive sends each change unasked
 
   [[nodiscard]] bool has(std::uint16_t member) const noexcept { return (members & member) != 0; }
 
   friend bool operator==(const Shown&, const Shown&) = default;
 };
 
-/// State of a node of a bus (CiA 301, NMT state machine).
+/// State of a node on a bus (CiA 301, NMT state machine).
 enum class NodeState : std::uint8_t { initialising, pre_operational, operational, stopped };
 
-/// A node changes its state, or says which it has.
+/// A node changes its state, or reports it.
 struct Network {
   NodeState state = NodeState::operational;
-  bool is_command = false;  ///< of the NMT master; else the node shows it
+  bool is_command = false;  ///< by the NMT master; otherwise reported by the node
 };
 
 /// SYNC on the bus of the axis.
@@ -97,18 +97,18 @@ struct Emergency {
   std::uint16_t code = 0;
 };
 
-/// A PDO for the drive has come. What it carries are writes that follow.
+/// A PDO for the drive has arrived. The writes that it carries follow.
 struct ReceivePdo {
   std::uint16_t number = 1;            ///< from 1
-  std::optional<std::uint8_t> type{};  ///< transmission type, where it is known
+  std::optional<std::uint8_t> type{};  ///< transmission type, if known
 };
 
-/// A sign of life of the master for which the drive waits no longer than `limit`.
+/// A sign of life of the master; the drive waits for the next one no longer than `limit`.
 struct KeepAlive {
   Time limit{};
 };
 
-/// From here on the source has lost what came before: states may have changed unseen.
+/// The source has lost records at this point: states may have changed unseen.
 struct Gap {
   std::string_view cause = "gap in the source";  ///< static
 };
@@ -117,7 +117,7 @@ struct Record {
   Time time{};
   std::uint64_t tick = 0;  ///< of a bench; 0 = none
   std::uint64_t line = 0;  ///< of a log, from 1; 0 = none
-  std::uint32_t axis = 0;  ///< any number that stays, such as a node id
+  std::uint32_t axis = 0;  ///< any constant number, such as a node id
   std::variant<Write, Shown, Reading, Network, Sync, Emergency, ReceivePdo, KeepAlive, Gap> what;
 };
 

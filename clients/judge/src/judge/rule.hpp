@@ -70,17 +70,17 @@ enum class Rule : std::uint8_t {
 
 enum class Severity : std::uint8_t {
   error,    ///< wrong on every drive
-  warning,  ///< wrong on some; the row says which
+  warning,  ///< wrong on some drives; the row says which
   advice,
 };
 
 /// @return "error", "warning" or "advice".
 [[nodiscard]] std::string_view to_string(Severity severity) noexcept;
 
-/// @return the severity of this name, or nothing.
+/// @return the severity with this name, or nothing.
 [[nodiscard]] std::optional<Severity> parse_severity(std::string_view text) noexcept;
 
-/// What a source has to show of an axis before a rule can be judged, as a set.
+/// A set of facts: what a source must show about an axis before a rule can be judged.
 struct Fact {
   static constexpr std::uint32_t kControlword = 1U << 0U;
   static constexpr std::uint32_t kStatusword = 1U << 1U;
@@ -97,33 +97,33 @@ struct Fact {
   static constexpr std::uint32_t kNodeState = 1U << 12U;
   static constexpr std::uint32_t kTransmissionType = 1U << 13U;
   static constexpr std::uint32_t kKeepAlive = 1U << 14U;
-  static constexpr std::uint32_t kReads = 1U << 15U;     ///< what a master reads
-  static constexpr std::uint32_t kSessions = 1U << 16U;  ///< who has written
+  static constexpr std::uint32_t kReads = 1U << 15U;     ///< the reads of a master
+  static constexpr std::uint32_t kSessions = 1U << 16U;  ///< the author of each write
   static constexpr std::uint32_t kTime = 1U << 17U;
   static constexpr std::uint32_t kSync = 1U << 18U;
-  static constexpr std::uint32_t kSpeedUnit = 1U << 19U;  ///< 607Fh is in units of 6064h a second
-  static constexpr std::uint32_t kLateness = 1U << 20U;   ///< whether a write came too late
+  static constexpr std::uint32_t kSpeedUnit = 1U << 19U;  ///< 607Fh is in units of 6064h per second
+  static constexpr std::uint32_t kLateness = 1U << 20U;   ///< whether a write was too late
   static constexpr std::uint32_t kAccelerationLimit = 1U << 21U;
   static constexpr std::uint32_t kCount = 22;
 };
 
 /// @param fact one bit of Fact
-/// @return what is missing, such as "6065h is neither read nor written".
+/// @return the missing fact, such as "6065h is neither read nor written".
 [[nodiscard]] std::string_view missing_text(std::uint32_t fact) noexcept;
 
-/// A row of the one table of rules: reports, documents and checks read it. All text is static.
+/// A row of the table of rules, which reports, documents and checks share. All text is static.
 struct RuleRow {
   Rule rule{};
   std::string_view name;   ///< such as "handshake-1"
-  std::string_view title;  ///< what the master did wrong, without an end
+  std::string_view title;  ///< the mistake of the master, without a full stop
   Severity severity = Severity::error;
   std::string_view clause;    ///< of CiA 402, CiA 301 or the manual
-  std::string_view expected;  ///< what a right master does, and on which drives a warning is wrong
-  std::string_view remedy;    ///< what to do
+  std::string_view expected;  ///< correct behaviour; drives to which a warning does not apply
+  std::string_view remedy;    ///< what to do about it
   std::string_view wrong;     ///< an example
   std::string_view right;
   std::uint32_t needs = 0;  ///< facts
-  bool is_figure = false;   ///< what happened has figures of the whole run: the last text counts
+  bool is_figure = false;   ///< the description has figures of the whole run: the last text counts
 };
 
 /// Every rule, in the order of Rule.
@@ -131,10 +131,10 @@ struct RuleRow {
 
 [[nodiscard]] const RuleRow& row_of(Rule rule) noexcept;
 
-/// @return the rule of this name, or nothing.
+/// @return the rule with this name, or nothing.
 [[nodiscard]] std::optional<Rule> find_rule(std::string_view name) noexcept;
 
-/// @return the table as the page docs/reference/judge-rules.md has it (Markdown).
+/// @return the table as Markdown, as in the page docs/reference/judge-rules.md.
 [[nodiscard]] std::string rules_page();
 
 }  // namespace vdrive::judge

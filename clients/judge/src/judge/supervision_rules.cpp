@@ -13,7 +13,7 @@ namespace {
 
 using namespace std::chrono_literals;
 
-constexpr Time kFaultReaction = 200ms;  ///< what was on its way before the master saw the fault
+constexpr Time kFaultReaction = 200ms;  ///< for messages sent before the master saw the fault
 constexpr Time kFallReaction = 500ms;
 constexpr std::uint32_t kBlindCommands = 3;
 constexpr Time kLimitReaction = 200ms;
@@ -25,8 +25,8 @@ bool is_target(ObjectAddress object) {
          object == objects::kTargetTorque || object == objects::kInterpolationRecord;
 }
 
-/// @return whether a target moves nothing, such as 607Ah that follows 6064h, so that the axis does
-///         not jump when it gets power.
+/// @return whether a target causes no motion, such as a 607Ah that tracks 6064h so that the axis
+///         does not jump when it is powered.
 bool rests(const Write& write, const AxisTrack& track) {
   if (write.object == objects::kTargetVelocity || write.object == objects::kTargetTorque) {
     return write.value == 0;
@@ -71,7 +71,7 @@ void SupervisionRules::take(const Write& write, const Context& context) {
   }
 }
 
-/// A set-point that the drive cannot follow, because it has no power.
+/// A set-point that the drive cannot follow because it has no power.
 void SupervisionRules::take_motion(const Context& context) {
   const AxisTrack& track = context.track;
   if (!track.has_status) return;

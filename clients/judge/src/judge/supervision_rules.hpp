@@ -9,20 +9,20 @@
 
 namespace vdrive::judge {
 
-/// Whether the master looks at its drive: faults, falls, limits, signs of life, the end.
+/// Whether the master monitors its drive: faults, loss of enable, limits, signs of life, the end.
 class SupervisionRules {
  public:
-  /// Before the track of `context` has the write.
+  /// To be called before the track of `context` is updated with the write.
   void take(const Write& write, const Context& context);
 
-  /// After the track of `context` has what was shown.
+  /// To be called after the track of `context` was updated.
   void take(const Shown& shown, const Context& context);
   void take(const KeepAlive& sign, const Context& context);
 
-  /// Before the track of `context` has it.
+  /// To be called before the track of `context` is updated.
   static void take(const Network& network, const Context& context);
 
-  /// The run has ended, and the source has shown its end.
+  /// To be called when the run has ended and the source has shown its end.
   static void end(const Context& context);
 
   void forget();
@@ -31,10 +31,10 @@ class SupervisionRules {
   void take_motion(const Context& context);
   void take_streamed(std::int64_t target, const Context& context);
 
-  std::optional<Time> fell_;     ///< out of Operation enabled, without a command or a fault
-  std::uint32_t blind_ = 0;      ///< commands of motion since the fault or the fall
-  std::optional<Time> limited_;  ///< bit 11 is up
-  std::uint32_t outwards_ = 0;   ///< targets further out since
+  std::optional<Time> fell_;     ///< when Operation enabled was lost without a command or a fault
+  std::uint32_t blind_ = 0;      ///< motion commands since the fault or the loss
+  std::optional<Time> limited_;  ///< since when bit 11 has been set
+  std::uint32_t outwards_ = 0;   ///< targets further outwards since then
   std::optional<std::int64_t> last_target_;
   std::optional<Time> stored_;
   std::optional<Time> last_sign_;

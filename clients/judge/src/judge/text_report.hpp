@@ -10,22 +10,22 @@
 
 namespace vdrive::judge {
 
-/// What a report has besides the verdict.
+/// The parts of a report in addition to the verdict.
 struct ReportFace {
   std::string source;                ///< such as the name of the log
-  AxisName name_of;                  ///< what axes are called
-  std::vector<std::string> notes{};  ///< what the source says of itself, a line each
+  AxisName name_of;                  ///< display names of the axes
+  std::vector<std::string> notes{};  ///< notes of the source about itself, one per line
   std::vector<Exception> unused{};   ///< exceptions that cover nothing
 };
 
-/// The table around a finding, cell by cell: time, by whom, what, controlword, statusword, mode,
-/// target, actual, what the master waited for.
+/// The columns of the table around a finding: time, author, change, controlword, statusword, mode,
+/// target, actual position, and what the master was waiting for.
 inline constexpr std::array kCycleColumns{"time", "by",     "what",   "controlword", "statusword",
                                           "mode", "target", "actual", "waits for"};
 using CycleRow = std::array<std::string, kCycleColumns.size()>;
 [[nodiscard]] CycleRow cycle_row(const Line& line);
 
-/// @return whether the finding happened at this line.
+/// @return whether this line is where the finding occurred.
 [[nodiscard]] bool is_place_of(const Finding& finding, const Line& line);
 
 /// @return such as "3 findings on 2 axes: 1 error, 2 warnings, 0 pieces of advice".
@@ -34,8 +34,8 @@ using CycleRow = std::array<std::string, kCycleColumns.size()>;
 /// @return such as "handshake-1, mode-1 on node 5, node 6: 6041h is not shown".
 [[nodiscard]] std::string unjudged_text(const Unjudged& unjudged, const AxisName& name_of);
 
-/// The verdict as a person reads it: worst first, each finding with the table around it.
-/// @return lines, each with its end.
+/// The verdict for a reader: worst first, each finding with the table around it.
+/// @return lines, each with its line end.
 [[nodiscard]] std::string text_report(const Verdict& verdict, const ReportFace& face);
 
 }  // namespace vdrive::judge

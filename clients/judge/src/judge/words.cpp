@@ -42,7 +42,8 @@ std::string_view command_text(PowerCommand command) {
   return {};
 }
 
-/// @return the number cut to three digits, or at its point where it has more before it.
+/// @return the number truncated to three digits, or at its decimal point if it has more digits
+///         before it.
 std::string shortened(double value) {
   const std::size_t digits = value < 10 ? 2 : (value < 100 ? 1 : 0);
   std::string text = std::to_string(value);
@@ -120,7 +121,7 @@ std::string controlword_text(std::uint16_t word, std::int8_t mode) {
 }
 
 std::string statusword_text(std::uint16_t word, std::int8_t mode) {
-  // Almost always 1, or part of the state.
+  // These are almost always 1, or part of the state.
   constexpr std::uint16_t kUsual =
       Statusword::kState | Statusword::kVoltageEnabled | Statusword::kRemote;
   const PowerState state = decode_power_state(word);
@@ -184,7 +185,7 @@ std::string event_text(const Line& line) {
   const bool is_word = write.object == objects::kControlword;
   text += " = " + (is_word ? hex_text(static_cast<std::uint16_t>(write.value))
                            : std::to_string(write.value));
-  // Nobody answers a PDO.
+  // A PDO never has an answer.
   const bool is_open = write.channel == Channel::pdo && write.fate == Fate::unanswered;
   const std::string_view fate = is_open ? std::string_view() : fate_text(write.fate);
   if (!fate.empty()) text.append(" (").append(fate);

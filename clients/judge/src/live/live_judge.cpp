@@ -16,10 +16,10 @@ using client::AxisWrite;
 using client::Observation;
 using client::Outcome;
 
-/// As many as a poll takes at a time: a verdict is shown in between.
+/// As many as one poll takes, so that the verdict can be shown in between.
 constexpr std::size_t kMostSamples = 2'000;
 
-/// A page has room for 64 entries, and a write brings two marks at most.
+/// A page has room for 64 entries, and a write needs at most two marks.
 constexpr std::size_t kLeastOfAFullPage = 20;
 
 std::vector<client::AxisId> ids_of(const std::vector<client::Axis>& axes) {
@@ -29,7 +29,7 @@ std::vector<client::AxisId> ids_of(const std::vector<client::Axis>& axes) {
   return ids;
 }
 
-/// While nobody lets time pass, no status comes for which these wait.
+/// Bounded, because while time does not pass, the status that these wait for does not arrive.
 constexpr std::size_t kMostWrites = 65'536;
 
 bool is_set_point(const AxisWrite& write) {
@@ -64,7 +64,7 @@ LiveJudge::LiveJudge(client::Session& session, const client::BenchInfo& bench,
               .shows_sessions = true,
               .speed_is_per_second = true}) {}
 
-/// From the present: what was written before is not judged, since nobody saw the status.
+/// Starts at the present: earlier writes are not judged, because their status was not seen.
 Outcome LiveJudge::begin() {
   const auto present = session_->writes(bench_, std::numeric_limits<std::uint64_t>::max());
   if (!present) return present.outcome();
@@ -117,7 +117,7 @@ Outcome LiveJudge::take_samples(std::chrono::milliseconds patience) {
   return {};
 }
 
-/// As far as the samples need them. Masters may write faster than pages come.
+/// Takes writes as far as the samples need them. Masters may write faster than pages arrive.
 Outcome LiveJudge::take_writes() {
   while (true) {
     const auto page = session_->writes(bench_, place_);
@@ -140,7 +140,7 @@ void LiveJudge::judge_until_known() {
   while (!samples_.empty() && samples_.front().tick <= known_tick_) {
     Observation& sample = spent_.emplace_back(std::move(samples_.front()));
     samples_.pop_front();
-    // A completed tick is published again, too.
+    // A completed tick may be published again.
     if (sample.tick > judged_tick_) judge_sample(sample);
   }
 }
@@ -156,7 +156,8 @@ void LiveJudge::judge_sample(const Observation& sample) {
   }
 }
 
-/// A status shows how many set-points the drive has ignored since the one before: the last ones.
+/// A status shows how many set-points the drive has ignored since the previous one: these are the
+/// last ones.
 void LiveJudge::judge_writes_before(const Observation& sample) {
   const auto end = std::ranges::find_if(writes_, [&](const AxisWrite& write) {
     return write.tick >= sample.tick;
@@ -188,7 +189,7 @@ void LiveJudge::judge_write(const AxisWrite& write, bool is_ignored) {
     case AxisWrite::Kind::power_cycle:
       if (place_of(write.axis)) take(write.tick, write.axis, Gap{"power cycle"});
       return;
-    case AxisWrite::Kind::connection_loss:  // the status shows it
+    case AxisWrite::Kind::connection_loss:  // visible in the status
       return;
     case AxisWrite::Kind::write:
       break;

@@ -15,28 +15,28 @@
 
 namespace vdrive::judge {
 
-/// Judges the masters of a bench that runs: by the writes that the bench keeps and the status that
-/// it publishes, from now on. Commands nothing. Of one thread at a time.
+/// Judges the masters of a running bench, by the writes that the bench keeps and the status that it
+/// publishes from now on. Commands nothing. For one thread at a time.
 class LiveJudge {
  public:
   static constexpr std::chrono::milliseconds kPollEvery{100};
 
-  /// @param axes of the bench that are judged
-  /// @return an outcome of the client library where the bench is not there, or does not keep writes
+  /// @param axes axes of the bench to judge
+  /// @return an outcome of the client library if the bench is not there, or does not keep writes
   [[nodiscard]] static client::Result<LiveJudge> create(client::Session& session,
                                                         std::uint32_t bench,
                                                         std::vector<client::Axis> axes);
 
-  /// Takes what has happened since the last call. A call has its price, whatever has happened:
-  /// where time passes by itself, one in kPollEvery is enough.
+  /// Processes what has happened since the last call. Each call has a fixed cost: if time passes
+  /// without steps, one call per kPollEvery is enough.
   /// @param patience wall time to wait for a status
-  /// @return lost when the bench is silent or was restarted; ok also where nothing has happened
+  /// @return lost if the bench is silent or was restarted; ok also if nothing has happened
   client::Outcome poll(std::chrono::milliseconds patience);
 
-  /// @return drive time from the begin to the last tick that was judged.
+  /// @return drive time from the start to the last judged tick.
   [[nodiscard]] Time judged_time() const noexcept { return time_of(judged_tick_ - first_tick_); }
 
-  /// @return what was found so far.
+  /// @return the verdict so far.
   [[nodiscard]] Verdict verdict() const { return judge_.verdict(); }
 
  private:
@@ -66,11 +66,11 @@ class LiveJudge {
   client::Follower follower_;
   std::vector<client::Axis> axes_;
   std::vector<std::uint32_t> ignored_;       ///< set-points so far, by place of the axis
-  std::deque<client::Observation> samples_;  ///< that wait for the writes before them
-  std::vector<client::Observation> spent_;   ///< whose memory is used again
-  std::deque<client::AxisWrite> writes_;     ///< that wait for the status after them
+  std::deque<client::Observation> samples_;  ///< waiting for the writes before them
+  std::vector<client::Observation> spent_;   ///< their memory is reused
+  std::deque<client::AxisWrite> writes_;     ///< waiting for the status after them
   std::uint64_t place_ = 0;                  ///< of the last write
-  std::uint64_t known_tick_ = 0;             ///< writes of earlier ticks have all come
+  std::uint64_t known_tick_ = 0;             ///< all writes of earlier ticks have arrived
   std::uint64_t first_tick_ = 0;
   std::uint64_t judged_tick_ = 0;
   Judge judge_;

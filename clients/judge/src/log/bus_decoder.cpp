@@ -29,7 +29,8 @@ constexpr std::uint32_t kFunctionBits = 0x780;
 constexpr std::size_t kLeastEmergency = 2;  // bytes with the error code
 constexpr std::uint32_t kServoProfile = 402;
 
-// What a node that is no drive yet may keep, and what waits for the answer to a download.
+// Limits for records kept until a node is known to be a drive, and for records that wait for the
+// answer to a download.
 constexpr std::size_t kMostEarly = 64;
 constexpr std::size_t kMostHeld = 256;
 
@@ -54,7 +55,7 @@ std::optional<NodeState> state_of(std::uint8_t byte) {
   }
 }
 
-/// Puts an object of a PDO or of an SDO upload among what the drive showed.
+/// Adds an object of a PDO or of an SDO upload to the state shown by the drive.
 void show(ObjectAddress object, std::int64_t value, Shown& shown) {
   const auto put = [&](std::uint16_t member, auto& place) {
     place = static_cast<std::remove_reference_t<decltype(place)>>(value);
@@ -88,37 +89,37 @@ std::string entries_text(const LoggedPdo& pdo) {
 
 }  // namespace
 
-/// The last frame of an RPDO whose transmission type waits for SYNC.
+/// The last frame of an RPDO whose transmission type makes it wait for SYNC.
 struct SynchronousPdo {
   std::uint64_t line = 0;
   std::vector<Write> writes;
 };
 
-/// A heartbeat for which a node waits (1016h).
+/// A heartbeat that a node consumes (1016h).
 struct Consumed {
   std::uint8_t producer = 0;
   Time limit{};
 };
 
-/// What is known of a node.
+/// What is known about a node.
 struct BusDecoder::Node {
   Node(std::uint8_t its_number, const canopen::DataSheet* sheet)
       : number(its_number), pdos(its_number, sheet) {}
 
   std::uint8_t number;
   LoggedPdos pdos;
-  std::vector<std::uint32_t> indexed;  ///< CAN-IDs of them
+  std::vector<std::uint32_t> indexed;  ///< their CAN-IDs
   SdoObserver sdo;
   bool is_drive = false;
-  bool is_no_drive = false;      ///< 1000h has another profile
+  bool is_no_drive = false;      ///< 1000h names another profile
   bool has_stored = false;       ///< 1010h was written: a restart keeps the mapping
-  std::deque<Record> early;      ///< before it was a drive
-  std::optional<Write> written;  ///< a download that the node has not confirmed
+  std::deque<Record> early;      ///< from before it was known to be a drive
+  std::optional<Write> written;  ///< a download that the node has not confirmed yet
   Time written_time{};
   std::uint64_t written_line = 0;
-  std::deque<Record> held;                          ///< what came after it
+  std::deque<Record> held;                          ///< records after it
   std::map<std::uint8_t, Consumed> consumed;        ///< heartbeats, by the sub-index of 1016h
-  std::map<std::uint16_t, SynchronousPdo> waiting;  ///< RPDOs that SYNC will apply, by number
+  std::map<std::uint16_t, SynchronousPdo> waiting;  ///< RPDOs waiting for SYNC, by number
   std::map<std::string, std::uint64_t> assumed;     ///< notes, with the number of frames
 };
 
@@ -167,7 +168,7 @@ BusDecoder::Node& BusDecoder::node_of(std::uint8_t number) {
   return nodes_.try_emplace(number, number, settings_.sheet).first->second;
 }
 
-/// The CAN-IDs of a node have changed.
+/// Called when the CAN-IDs of a node have changed.
 void BusDecoder::index_pdos(std::uint8_t number) {
   Node& node = node_of(number);
   for (const std::uint32_t id : std::exchange(node.indexed, {})) {
@@ -179,7 +180,7 @@ void BusDecoder::index_pdos(std::uint8_t number) {
     pdos_[id].push_back(ref);
     node.indexed.push_back(id);
   }
-  std::ranges::sort(node.indexed);  // many PDOs may have one CAN-ID
+  std::ranges::sort(node.indexed);  // several PDOs may have the same CAN-ID
   node.indexed.erase(std::unique(node.indexed.begin(), node.indexed.end()), node.indexed.end());
 }
 
@@ -217,7 +218,7 @@ DecodedFrame BusDecoder::take(Time now, const Frame& frame, std::uint64_t line) 
   line_ = line;
   ++counts_.frames;
   const DecodedFrame decoded = classify(frame);
-  // A heartbeat of any node may be that of the master.
+  // A heartbeat of any node may come from the master.
   if (decoded.kind == FrameKind::heartbeat) {
     take_heartbeat(now, decoded.node, frame);
     return decoded;
@@ -319,7 +320,7 @@ void BusDecoder::restart(Time now, Node& node, bool is_command) {
 }
 
 void BusDecoder::take_heartbeat(Time now, std::uint8_t number, const Frame& frame) {
-  if (frame.is_remote) return;  // guarding asks
+  if (frame.is_remote) return;  // a node-guarding request
   const auto state = frame.size == 1
                          ? state_of(frame.data[0] & static_cast<std::uint8_t>(~kToggleOfGuarding))
                          : std::nullopt;
@@ -413,7 +414,8 @@ void BusDecoder::take_receive_pdo(Time now, Node& node, const PdoRef& ref, const
   for (const Write& write : writes) put(now, node, write);
 }
 
-/// SYNC applies what has come since the one before; of all that the controlword is the last.
+/// SYNC applies everything that has arrived since the previous one; the controlword is applied
+/// last.
 void BusDecoder::apply_synchronous(Time now, Node& node) {
   const std::uint64_t line = line_;
   const auto waiting = std::exchange(node.waiting, {});
@@ -445,7 +447,7 @@ void BusDecoder::take_sdo(Time now, Node& node, const Frame& frame, bool is_requ
     ++counts_.malformed;
     return;
   }
-  if (is_request) release(node);  // what was not answered will not be
+  if (is_request) release(node);  // an earlier request will not be answered any more
   const auto transfer = is_request ? node.sdo.take_request(frame) : node.sdo.take_response(frame);
   if (transfer) finish_sdo(now, node, *transfer);
   const SdoTransfer* const pending = node.sdo.pending_download();
@@ -453,7 +455,7 @@ void BusDecoder::take_sdo(Time now, Node& node, const Frame& frame, bool is_requ
       pending->data.size() > sizeof(std::int64_t)) {
     return;
   }
-  // The drive may act from now on, before it answers.
+  // The drive may act from now on, even before it answers.
   node.written = Write{.object = pending->object,
                        .value = value_of(pending->object, pending->data),
                        .channel = Channel::sdo,
@@ -475,7 +477,7 @@ void BusDecoder::finish_sdo(Time now, Node& node, const SdoTransfer& transfer) {
     if (transfer.abort == 0 && has_number) learn(node, transfer.object, value);
     return;
   }
-  if (transfer.abort == 0 && !has_number) return;  // a text
+  if (transfer.abort == 0 && !has_number) return;  // a string
   put(now, node, Reading{.object = transfer.object, .value = value, .code = transfer.abort});
   if (transfer.abort != 0) return;
   Shown shown{.is_asked_for = true};
@@ -514,7 +516,7 @@ void BusDecoder::put(Time now, Node& node, const decltype(Record::what)& what) {
   if (node.held.size() >= kMostHeld) release(node);
 }
 
-/// The write that waited for its answer comes first: the drive has acted on it before it answered.
+/// The write that waited for its answer comes first: the drive acted on it before it answered.
 void BusDecoder::release(Node& node) {
   if (!node.written) return;
   const Write write = *std::exchange(node.written, std::nullopt);

@@ -20,7 +20,7 @@
 
 namespace vdrive::judge {
 
-/// What a frame of a CANopen bus is.
+/// The kind of a frame on a CANopen bus.
 enum class FrameKind : std::uint8_t {
   nmt,
   sync,
@@ -45,25 +45,25 @@ struct DecodedFrame {
 };
 
 struct DecoderSettings {
-  std::set<std::uint8_t> nodes{};             ///< to judge; empty = every drive of the bus
-  const canopen::DataSheet* sheet = nullptr;  ///< of these nodes; it outlives the decoder
+  std::set<std::uint8_t> nodes{};             ///< to judge; empty = every drive on the bus
+  const canopen::DataSheet* sheet = nullptr;  ///< of these nodes; must outlive the decoder
 };
 
-/// Frames that were counted, and not judged.
+/// Numbers of frames; those in the other members were not judged.
 struct DecoderCounts {
   std::uint64_t frames = 0;
-  std::uint64_t foreign = 0;          ///< no CANopen by the predefined connection set
-  std::uint64_t other_nodes = 0;      ///< of nodes that were not asked for
+  std::uint64_t foreign = 0;          ///< not CANopen in the predefined connection set
+  std::uint64_t other_nodes = 0;      ///< of nodes that are not judged
   std::uint64_t malformed = 0;        ///< CANopen with a wrong length or content
-  std::uint64_t unknown_mapping = 0;  ///< PDOs whose content is not known
+  std::uint64_t unknown_mapping = 0;  ///< PDOs with unknown content
 };
 
-/// Makes records of the frames of a CANopen bus: NMT, SYNC, emergencies, heartbeats, SDO transfers,
-/// and PDOs by the mapping that the traffic, a data sheet or CiA 402 gives. A function of frames
-/// and times. An axis is the node with its number.
+/// Converts the frames of a CANopen bus to records: NMT, SYNC, emergencies, heartbeats, SDO
+/// transfers, and PDOs. The PDO mapping comes from the traffic, a data sheet or CiA 402. Depends
+/// only on frames and times. An axis is the node with its number.
 ///
-/// A node is a drive once 6040h was written to it or it has shown 6041h; what came before is kept
-/// until then. A device that says by 1000h that it has another profile is none.
+/// A node counts as a drive once 6040h was written to it or it has shown 6041h; earlier records are
+/// kept until then. A device whose 1000h names another profile is not a drive.
 class BusDecoder {
  public:
   using Sink = std::function<void(const Record& record)>;
@@ -73,21 +73,21 @@ class BusDecoder {
   BusDecoder(const BusDecoder&) = delete;
   BusDecoder& operator=(const BusDecoder&) = delete;
 
-  /// @param now not before that of the frame before
+  /// @param now not earlier than for the previous frame
   /// @param line of the log, from 1; 0 = none
-  /// @return what the frame is
+  /// @return the kind of the frame
   DecodedFrame take(Time now, const canopen::Frame& frame, std::uint64_t line = 0);
 
-  /// Frames are missing, and nobody knows how many.
+  /// Records that an unknown number of frames is missing.
   void lose(Time now);
 
-  /// No frame comes any more.
-  /// @param now time of the last one
+  /// Ends the decoding.
+  /// @param now time of the last frame
   void end(Time now);
 
   [[nodiscard]] const DecoderCounts& counts() const noexcept { return counts_; }
 
-  /// @return what cannot be known, or was assumed, a line each.
+  /// @return what is unknown or was assumed, one per line.
   [[nodiscard]] std::vector<std::string> notes() const;
 
  private:

@@ -13,24 +13,24 @@
 namespace vdrive::judge {
 namespace {
 
-/// A longer line is no frame: that of an .asc with its comments has some 200 characters.
+/// A longer line is not a frame: a line of an .asc file with its comments has some 200 characters.
 constexpr std::size_t kLongestLine = 1024;
 
-/// A log that has no times gets these: an order, and no durations.
+/// Time step for a log without times: it gives an order, but no durations.
 constexpr Time kNoTime{1};
 
-/// Later than every time that a line can have, and early enough to be added to one.
+/// Later than any time in a log, yet small enough to be added to one.
 constexpr Time kEndOfTime{std::chrono::seconds(5'000'000'000)};
 
-/// A clock that is set right goes back no further, and frames of two buffers.
+/// Largest step back caused by a clock correction, or by frames from two buffers.
 constexpr Time kShortStep{std::chrono::seconds(1)};
 
-/// The lines of a stream, in bounded memory.
+/// Reads the lines of a stream in bounded memory.
 class Lines {
  public:
   explicit Lines(std::istream& stream) : stream_(stream) {}
 
-  /// @param is_whole false: the line was longer, and its rest is skipped
+  /// @param is_whole false: the line was longer, and the rest of it is skipped
   bool next(std::string_view& line, bool& is_whole) {
     stream_.getline(buffer_.data(), static_cast<std::streamsize>(buffer_.size()));
     const auto count = static_cast<std::size_t>(stream_.gcount());
@@ -43,7 +43,7 @@ class Lines {
       stream_.clear();
       stream_.ignore(std::numeric_limits<std::streamsize>::max(), '\n');
     } else if (!stream_.eof()) {
-      --length;  // the end of the line counts
+      --length;  // without the line end
     }
     line = {buffer_.data(), length};
     return true;
@@ -92,7 +92,7 @@ class LogJudge {
     if (!judge_) {
       interface_ = frame.interface;
       has_time_ = frame.time.has_value();
-      // Sessions are those of a bench; the unit of speeds is that of the maker.
+      // Sessions exist only on a bench; the unit of speeds depends on the manufacturer.
       judge_.emplace(SourceFacts{.has_time = has_time_, .shows_reads = true});
     }
     if (frame.interface != interface_) {
@@ -104,8 +104,8 @@ class LogJudge {
     if (watcher_) watcher_(result_.lines.lines, decoded);
   }
 
-  /// A clock that was set back, or another log that follows: time goes on from where it was. After
-  /// a long step nobody knows what happened between.
+  /// If the clock was set back, or another log follows, time continues from where it was. After a
+  /// long step it is unknown what happened in between.
   void pass_time(Time time) {
     const Time now = std::min(time, kEndOfTime);
     if (now < last_) {
@@ -151,7 +151,7 @@ class LogJudge {
   std::string interface_;
   bool has_time_ = false;
   Time last_{};
-  Time offset_{};  ///< of the times of the log: what they went backwards
+  Time offset_{};  ///< total of the steps backwards in the times of the log
   LogVerdict result_;
 };
 

@@ -13,34 +13,34 @@
 
 namespace vdrive::judge {
 
-/// What became of the lines of a log.
+/// Numbers of lines in a log, by kind.
 struct LogCounts {
   std::uint64_t lines = 0;
-  std::uint64_t broken = 0;            ///< cut, or of another format
-  std::uint64_t first_broken = 0;      ///< its number, from 1
+  std::uint64_t broken = 0;            ///< truncated, or in another format
+  std::uint64_t first_broken = 0;      ///< the line number, from 1
   std::uint64_t foreign = 0;           ///< CAN FD, error frames
-  std::uint64_t backwards = 0;         ///< times before that of the line before
-  std::uint64_t other_interfaces = 0;  ///< frames of other buses than that of the first frame
+  std::uint64_t backwards = 0;         ///< times earlier than in the previous line
+  std::uint64_t other_interfaces = 0;  ///< frames of buses other than that of the first frame
 };
 
-/// What a log of a bus gives.
+/// The result of judging a bus log.
 struct LogVerdict {
   Verdict verdict;
   LogCounts lines;
   DecoderCounts frames;
-  std::vector<std::string> notes;  ///< what the log lacks, and what was left out, a line each
+  std::vector<std::string> notes;  ///< what the log lacks, and what was left out, one per line
 
-  /// @return whether it was a log at all: it has a frame.
+  /// @return whether it was a log at all: it contains a frame.
   [[nodiscard]] bool is_readable() const noexcept {
     return frames.frames + lines.other_interfaces > 0;
   }
 };
 
-/// Is told what each line is: its number, and the frame of LineKind::frame.
+/// Called with the kind of each line: its number, and the frame if it is LineKind::frame.
 using FrameWatcher = std::function<void(std::uint64_t line, const DecodedFrame& frame)>;
 
-/// Reads a log from its beginning to its end, in bounded memory, and judges the masters of its bus.
-/// A line that is no frame is counted, and nothing else.
+/// Reads a log from beginning to end, in bounded memory, and judges the masters of its bus. A line
+/// that is not a frame is only counted.
 [[nodiscard]] LogVerdict judge_bus_log(std::istream& log, const DecoderSettings& settings,
                                        const FrameWatcher& watcher = {});
 

@@ -22,13 +22,13 @@ constexpr bool is_blank(char c) {
   return c == ' ' || c == '\t';
 }
 
-/// Takes blanks from the front.
+/// Removes blanks from the front.
 void skip_blanks(std::string_view& text) {
   const auto end = std::ranges::find_if_not(text, is_blank);
   text.remove_prefix(static_cast<std::size_t>(end - text.begin()));
 }
 
-/// Takes the next word from the front; empty at the end.
+/// Removes the next word from the front; empty at the end.
 std::string_view take_word(std::string_view& text) {
   skip_blanks(text);
   const auto end = std::ranges::find_if(text, is_blank);
@@ -37,7 +37,7 @@ std::string_view take_word(std::string_view& text) {
   return word;
 }
 
-/// @return the time that "12.345" or "1436509052.249713" spells.
+/// @return the time written as "12.345" or "1436509052.249713".
 std::optional<Time> time_of(std::string_view text) {
   const std::size_t point = text.find('.');
   const auto seconds = parse_digits<std::int64_t>(text.substr(0, point));
@@ -54,7 +54,7 @@ std::optional<Time> time_of(std::string_view text) {
   return Time(*seconds * kNanoseconds + fraction);
 }
 
-/// @return the time of day that "08:17:32.249713" spells, as candump -tA has it after a date.
+/// @return the time of day written as "08:17:32.249713", which candump -tA puts after a date.
 std::optional<Time> time_of_day(std::string_view date, std::string_view text) {
   constexpr std::size_t kSecondsPlace = 6;
   constexpr std::size_t kDateLength = 10;
@@ -76,7 +76,7 @@ std::optional<Time> time_of_day(std::string_view date, std::string_view text) {
       *seconds >= kLeapSecond + std::chrono::seconds(1)) {
     return std::nullopt;
   }
-  // Of the local clock: a change to summer time is a step of it.
+  // In local time: the change to summer time is a step.
   const auto whole = std::chrono::sys_days(parsed).time_since_epoch() + std::chrono::hours(*hours) +
                      std::chrono::minutes(*minutes);
   if (whole < std::chrono::seconds(0) || whole > std::chrono::seconds(kLatestSecond)) {
@@ -85,7 +85,7 @@ std::optional<Time> time_of_day(std::string_view date, std::string_view text) {
   return whole + *seconds;
 }
 
-/// Reads an identifier: candump writes 3 digits for the base format, and 8 for the extended one.
+/// Parses an identifier: candump writes 3 digits for the base format and 8 for the extended format.
 bool read_id(std::string_view text, Frame& frame) {
   if (text.size() != kBaseIdDigits && text.size() != kExtendedIdDigits) return false;
   const auto id = parse_digits<std::uint32_t>(text, kHexBase);
@@ -101,7 +101,7 @@ std::optional<std::uint8_t> byte_of(std::string_view text) {
   return text.size() == 2 ? parse_digits<std::uint8_t>(text, kHexBase) : std::nullopt;
 }
 
-/// Reads "0011AA", or with dots between the bytes; of a remote frame "R" or "R8".
+/// Parses "0011AA", also with dots between the bytes; for a remote frame "R" or "R8".
 bool read_packed(std::string_view text, Frame& frame) {
   if (text.starts_with('R')) {
     frame.is_remote = true;
@@ -122,7 +122,7 @@ bool read_packed(std::string_view text, Frame& frame) {
   return true;
 }
 
-/// Reads so many bytes, each a word.
+/// Parses `count` bytes, each a separate word.
 bool read_bytes(std::string_view& text, std::uint8_t count, int base, Frame& frame) {
   for (std::uint8_t i = 0; i < count; ++i) {
     const std::string_view word = take_word(text);
@@ -134,7 +134,7 @@ bool read_bytes(std::string_view& text, std::uint8_t count, int base, Frame& fra
   return true;
 }
 
-/// "can0 123#0011", after the time.
+/// Parses "can0 123#0011", after the time.
 LineKind read_log_format(std::string_view id_and_data, LoggedFrame& frame) {
   const std::size_t hash = id_and_data.find('#');
   const std::string_view data = id_and_data.substr(hash + 1);
@@ -149,7 +149,7 @@ LineKind read_log_format(std::string_view id_and_data, LoggedFrame& frame) {
                                                                     : LineKind::broken;
 }
 
-/// "123   [2]  00 11", after the interface.
+/// Parses "123   [2]  00 11", after the interface.
 LineKind read_people_format(std::string_view id, std::string_view rest, LoggedFrame& frame) {
   const std::string_view size = take_word(rest);
   if (size.size() == 4 && size.starts_with('[')) return LineKind::foreign;  // [64]: CAN FD
@@ -168,7 +168,7 @@ LineKind read_people_format(std::string_view id, std::string_view rest, LoggedFr
   return read_bytes(rest, *count, kHexBase, frame.frame) ? LineKind::frame : LineKind::broken;
 }
 
-/// The flags that candump -x puts between the interface and the identifier: "RX - -  ".
+/// Skips the flags that candump -x puts between the interface and the identifier: "RX - -  ".
 void skip_direction(std::string_view& text) {
   std::string_view rest = text;
   const std::string_view direction = take_word(rest);
@@ -242,7 +242,7 @@ LineKind LogLines::read_asc(std::string_view line, LoggedFrame& frame) {
   const auto number = parse_digits<std::uint32_t>(id, base);
   const std::uint32_t highest =
       frame.frame.is_extended ? canopen::kHighestExtendedId : canopen::kHighestBaseId;
-  if (!number) return LineKind::foreign;  // an event of the logger with a name
+  if (!number) return LineKind::foreign;  // a named event of the logger
   if (*number > highest) return LineKind::broken;
   frame.frame.id = *number;
   const std::string_view kind = take_word(rest);

@@ -10,27 +10,29 @@
 
 namespace vdrive::judge {
 
-/// A frame of a log.
+/// A frame in a log.
 struct LoggedFrame {
-  std::optional<Time> time{};     ///< since the beginning of the log's clock; none = it has none
-  std::string_view interface {};  ///< such as "can0"; of an .asc the number of the channel
+  std::optional<Time> time{};     ///< since the origin of the log's clock; nothing = no times
+  std::string_view interface {};  ///< such as "can0"; in an .asc file the channel number
   canopen::Frame frame{};
 };
 
-/// What a line of a log is.
+/// The kind of a line in a log.
 enum class LineKind : std::uint8_t {
   frame,
   nothing,  ///< empty, a comment, a header
-  foreign,  ///< CAN FD, an error frame, a message of the logger: read, and not used
+  foreign,  ///< CAN FD, an error frame, a message of the logger: recognised, but not used
   broken,   ///< none of these
 };
 
-/// Reads the lines of candump (its log format, as `candump -L` and `-l` write it, and the one for
-/// people with any of its time stamps) and those of Vector's .asc. A log may have all of them.
+/// Parses the lines of candump (its log format, as written by `candump -L` and `-l`, and the
+/// readable one with any of its time stamps) and of Vector .asc files. A log may contain all of
+/// them.
 class LogLines {
  public:
-  /// @param line without its end
-  /// @param frame has the frame where the answer is LineKind::frame; its texts are parts of `line`
+  /// @param line without its line end
+  /// @param frame receives the frame if the result is LineKind::frame; its texts are parts of
+  ///        `line`
   LineKind read(std::string_view line, LoggedFrame& frame);
 
  private:
@@ -40,7 +42,7 @@ class LogLines {
   bool is_asc_ = false;
   bool is_asc_decimal_ = false;   ///< "base dec"
   bool is_asc_relative_ = false;  ///< "timestamps relative"
-  Time asc_time_{};               ///< of the line before
+  Time asc_time_{};               ///< of the previous line
 };
 
 }  // namespace vdrive::judge

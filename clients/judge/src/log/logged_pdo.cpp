@@ -14,12 +14,12 @@ constexpr std::uint16_t kReceiveCommunication = 0x1400;
 constexpr std::uint16_t kReceiveMapping = 0x1600;
 constexpr std::uint16_t kTransmitCommunication = 0x1800;
 constexpr std::uint16_t kTransmitMapping = 0x1A00;
-constexpr std::uint16_t kPdoObjects = 0x200;  // of each of the four kinds
+constexpr std::uint16_t kPdoObjects = 0x200;  // for each of the four kinds
 constexpr std::uint16_t kFirstPdoObject = kReceiveCommunication;
 constexpr std::uint16_t kLastPdoObject = kTransmitMapping + kPdoObjects - 1;
 constexpr std::size_t kBitsOfAByte = 8;
 
-/// What an index from 1400h to 1BFFh is.
+/// The meaning of an index from 1400h to 1BFFh.
 struct PdoIndex {
   PdoDirection direction;
   bool is_mapping;
@@ -37,7 +37,7 @@ PdoIndex pdo_index(std::uint16_t index) {
 
 void LoggedPdo::set_communication(std::uint8_t subindex, std::uint32_t value, PdoOrigin origin) {
   if (subindex == 1) cob_id_ = value;
-  // Of the profile nobody knows whether the maker keeps to it.
+  // The default type of the profile is not used: the manufacturer may not follow it.
   if (subindex == 2 && origin != PdoOrigin::profile) type_ = static_cast<std::uint8_t>(value);
 }
 
@@ -91,7 +91,7 @@ void LoggedPdos::reset() {
     static_cast<void>(set(object.address, value, PdoOrigin::profile));
   }
   if (sheet_ == nullptr) return;
-  // A node without a PDO of the profile has no section of it.
+  // A node that lacks a PDO of the profile has no section for it.
   std::erase_if(pdos_, [this](const auto& entry) {
     const auto& [direction, number] = entry.first;
     const auto index = static_cast<std::uint16_t>(

@@ -15,11 +15,11 @@
 
 namespace vdrive::judge {
 
-/// Where the parameters of a PDO were learnt.
+/// The source of the parameters of a PDO.
 enum class PdoOrigin : std::uint8_t {
   profile,  ///< the default mapping of CiA 402
   sheet,    ///< an electronic data sheet
-  traffic,  ///< the master has read or written it
+  traffic,  ///< read or written by the master
 };
 
 /// An object in a PDO.
@@ -28,22 +28,22 @@ struct LoggedEntry {
   std::size_t size = 0;  ///< [bytes]
 };
 
-/// A PDO of a node, as far as the log shows it (CiA 301, 7.5.2.35 to 7.5.2.38). Of any maker's
-/// node: what it maps need not be in our dictionary.
+/// A PDO of a node, as far as the log shows it (CiA 301, 7.5.2.35 to 7.5.2.38). The node may be of
+/// any manufacturer, so mapped objects need not be in our dictionary.
 class LoggedPdo {
  public:
   void set_communication(std::uint8_t subindex, std::uint32_t value, PdoOrigin origin);
   void set_mapping(std::uint8_t subindex, std::uint32_t value, PdoOrigin origin);
 
-  /// @return the CAN-ID, or nothing where the PDO is not valid or not known.
+  /// @return the CAN-ID; nothing if the PDO is not valid or unknown.
   [[nodiscard]] std::optional<std::uint32_t> can_id() const noexcept;
 
-  /// @return the transmission type; nothing where only the profile has one.
+  /// @return the transmission type; nothing if it is known from the profile only.
   [[nodiscard]] std::optional<std::uint8_t> type() const noexcept { return type_; }
 
   [[nodiscard]] PdoOrigin mapping_origin() const noexcept { return mapping_origin_; }
 
-  /// @return what it carries; empty where that is not known: entries are missing, or take parts of
+  /// @return the mapped objects; empty if they are unknown: entries are missing, or map parts of
   ///         bytes.
   [[nodiscard]] std::span<const LoggedEntry> entries() const noexcept { return entries_; }
 
@@ -58,12 +58,12 @@ class LoggedPdo {
   std::optional<std::uint8_t> type_;
   PdoOrigin mapping_origin_ = PdoOrigin::profile;
   std::uint8_t count_ = 0;
-  std::vector<std::uint32_t> raw_;  ///< entries as the object has them
+  std::vector<std::uint32_t> raw_;  ///< entries as stored in the object
   std::vector<LoggedEntry> entries_;
   std::size_t size_ = 0;
 };
 
-/// Which PDO of which node.
+/// Identifies a PDO of a node.
 struct PdoRef {
   std::uint8_t node = 0;
   canopen::PdoDirection direction = canopen::PdoDirection::receive;
@@ -75,15 +75,15 @@ struct PdoRef {
 /// The PDOs of one node.
 class LoggedPdos {
  public:
-  /// With the defaults of CiA 402, and what a data sheet has.
-  /// @param sheet nullptr = none; it outlives the PDOs
+  /// Starts with the defaults of CiA 402 and the contents of the data sheet.
+  /// @param sheet nullptr = none; must outlive the PDOs
   LoggedPdos(std::uint8_t node, const canopen::DataSheet* sheet);
 
-  /// The node is as after power-up.
+  /// Resets the PDOs to the state after power-up.
   void reset();
 
-  /// Takes what the master has read or written.
-  /// @return whether it was a parameter of a PDO
+  /// Records a value that the master has read or written.
+  /// @return whether it was a PDO parameter
   bool set(ObjectAddress object, std::uint32_t value, PdoOrigin origin = PdoOrigin::traffic);
 
   [[nodiscard]] const LoggedPdo* find(const PdoRef& ref) const;

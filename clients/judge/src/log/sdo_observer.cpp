@@ -19,7 +19,7 @@ constexpr unsigned kAbort = 4;
 constexpr unsigned kBlockOfTheSender = 5;
 constexpr unsigned kBlockOfTheReceiver = 6;
 
-// Bits below.
+// Lower bits of the first byte.
 constexpr unsigned kIsExpedited = 0x02;
 constexpr unsigned kHasSize = 0x01;
 constexpr unsigned kIsLast = 0x01;
@@ -45,12 +45,12 @@ std::uint32_t number_of_frame(const Frame& frame) {
       canopen::little_endian_number(std::span(frame.data).subspan(kNumberPlace)));
 }
 
-/// Bytes of an expedited transfer.
+/// The number of bytes in an expedited transfer.
 std::size_t expedited_size(const Frame& frame) {
   return (frame.data[0] & kHasSize) != 0 ? 4U - (frame.data[0] >> 2U & 3U) : 4U;
 }
 
-/// Bytes of a segment.
+/// The number of bytes in a segment.
 std::size_t segment_size(const Frame& frame) {
   return kSegmentBytes - (frame.data[0] >> 1U & 7U);
 }
@@ -101,11 +101,11 @@ std::optional<SdoTransfer> SdoObserver::take_request(const Frame& frame) {
     case kInitiateUpload:
       begin(Step::upload, frame);
       break;
-    case kBlockOfTheReceiver:  // download by blocks: initiate, or its end
+    case kBlockOfTheReceiver:  // block download: initiate or end
       if ((frame.data[0] & kBlockEnd) == 0) begin(Step::block_download, frame);
       transfer_.is_complete = false;
       break;
-    case kBlockOfTheSender:  // upload by blocks: initiate, start, confirmation
+    case kBlockOfTheSender:  // block upload: initiate, start or confirmation
       begin_block_upload(frame);
       break;
     default:
@@ -133,7 +133,7 @@ std::optional<SdoTransfer> SdoObserver::take_abort(const Frame& frame) {
 }
 
 std::optional<SdoTransfer> SdoObserver::take_response(const Frame& frame) {
-  // Segments of an upload by blocks begin with a sequence number from 1: 80h is none.
+  // Segments of a block upload start with a sequence number from 1: 80h is not one.
   const bool is_segment =
       step_ == Step::block_upload && is_in_block_ && frame.data[0] != kAbort << 5U;
   if (specifier_of(frame) == kAbort && !is_segment) return take_abort(frame);
@@ -141,7 +141,7 @@ std::optional<SdoTransfer> SdoObserver::take_response(const Frame& frame) {
     case Step::idle:
       return std::nullopt;
     case Step::download: {
-      // Confirmation of the initiate request or of a segment.
+      // Confirms the initiate request or a segment.
       const bool is_confirmed =
           specifier_of(frame) == kUploadSegment || specifier_of(frame) == kInitiateDownload;
       return is_confirmed && is_sent_ ? finish() : std::nullopt;
@@ -150,7 +150,7 @@ std::optional<SdoTransfer> SdoObserver::take_response(const Frame& frame) {
       return take_upload(frame);
     case Step::block_download:
       if ((frame.data[0] & kBlockSubcommand) == kBlockEnd) return finish();
-      is_in_block_ = !is_last_block_;  // confirmation of the initiate request or of a block
+      is_in_block_ = !is_last_block_;  // confirms the initiate request or a block
       return std::nullopt;
     case Step::block_upload:
       return take_block_upload(frame);

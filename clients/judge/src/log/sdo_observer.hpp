@@ -11,37 +11,39 @@
 
 namespace vdrive::judge {
 
-/// A transfer that has ended, as both sides of it have shown.
+/// A completed transfer, as seen from both sides.
 struct SdoTransfer {
-  bool is_download = false;  ///< the master wrote; else it read
+  bool is_download = false;  ///< the master wrote; otherwise it read
   ObjectAddress object;
   std::uint32_t abort = 0;           ///< the code; 0 = it succeeded
-  std::vector<std::uint8_t> data{};  ///< as the object has it, little-endian
-  bool is_complete = true;           ///< false: a block transfer, whose data is not kept
+  std::vector<std::uint8_t> data{};  ///< as stored in the object, little-endian
+  bool is_complete = true;           ///< false for a block transfer, whose data is not kept
 };
 
-/// Looks at the default SDO channel of one node (CiA 301, 7.2.4): expedited and segmented transfers
-/// both ways; block transfers are followed to their end. It takes part in nothing.
+/// Observes the default SDO channel of one node (CiA 301, 7.2.4): expedited and segmented transfers
+/// in both directions; block transfers are followed to their end. Does not take part in the
+/// traffic.
 class SdoObserver {
  public:
-  /// Longer data is cut [bytes]: no object of a drive profile is that long.
+  /// Longer data is truncated [bytes]: no object of a drive profile is that long.
   static constexpr std::size_t kMostData = 1024;
 
-  /// A frame of the master.
+  /// Processes a frame of the master.
   /// @param frame of 8 bytes
-  /// @return an abort by the master has ended this.
+  /// @return the transfer, if the master has ended it by an abort.
   std::optional<SdoTransfer> take_request(const canopen::Frame& frame);
 
-  /// A frame of the node.
+  /// Processes a frame of the node.
   /// @param frame of 8 bytes
   std::optional<SdoTransfer> take_response(const canopen::Frame& frame);
 
-  /// @return the download whose last data the node has, but not confirmed: from now on it may act.
+  /// @return the download that the node has received completely but not confirmed: it may already
+  ///         act on it.
   [[nodiscard]] const SdoTransfer* pending_download() const noexcept {
     return is_sent_ ? &transfer_ : nullptr;
   }
 
-  /// The node does not answer any more.
+  /// Drops the present transfer when the node no longer answers.
   void forget() noexcept;
 
  private:
@@ -58,8 +60,8 @@ class SdoObserver {
 
   Step step_ = Step::idle;
   SdoTransfer transfer_;
-  bool is_sent_ = false;      ///< all data of a download is on the bus
-  bool is_in_block_ = false;  ///< frames of the sender are segments of a block
+  bool is_sent_ = false;      ///< all data of a download has been sent
+  bool is_in_block_ = false;  ///< frames from the sender are segments of a block
   bool is_last_block_ = false;
 };
 

@@ -19,16 +19,16 @@ using service::JournalChange;
 using service::JournalRefusal;
 using service::JournalSnapshot;
 
-/// The first byte of a journal: its first chunk is of kind 1. No log of a bus begins with it.
+/// The first byte of a journal: its first chunk is of kind 1. No bus log begins with it.
 constexpr int kFirstByte = 1;
 
-/// A difference stays, so it is found without the check of each tick.
+/// A difference persists, so it is found without checking every tick.
 constexpr std::uint64_t kTicksACheck = 16;
 
-/// What an axis at rest shows is a record in so many ticks: most of an hour is that.
+/// An axis at rest gets a record only every so many ticks: most of a journal is standstill.
 constexpr std::uint64_t kTicksOfTheSame = 8;
 
-/// Makes records of what a replay does.
+/// Converts the events of a replay to records.
 class JournalJudge final : public service::ReplayObserver {
  public:
   void begins(const service::Configuration& configuration, bool has_authors) override {
@@ -84,14 +84,14 @@ class JournalJudge final : public service::ReplayObserver {
       case JournalChange::Kind::connection_loss:
       case JournalChange::Kind::stored:
       case JournalChange::Kind::forgot:
-        break;  // what they change is shown
+        break;  // the resulting changes are visible
     }
   }
 
   void stepped(std::uint64_t tick, const AxisBank& bank) override {
     tick_ = tick;
     for (std::size_t axis = 0; axis < bank.size(); ++axis) {
-      ignored_[axis] = bank.ignored_set_points(axis);  // within the tick: of no write that comes
+      ignored_[axis] = bank.ignored_set_points(axis);  // of this tick: no later write is affected
       const Shown shown = shown_by(bank.status(axis));
       const bool is_same = shown == std::exchange(shown_[axis], shown);
       if (!is_same || tick % kTicksOfTheSame == 0) take(axis, shown);
@@ -123,7 +123,7 @@ class JournalJudge final : public service::ReplayObserver {
     const std::uint32_t ignored = bank.ignored_set_points(change.axis);
     const bool is_ignored = ignored != std::exchange(ignored_[change.axis], ignored);
     if (is_test_input(change.address)) return;
-    // The bench stops its axes when it ends, and at no other time.
+    // The bench stops its axes only when it ends.
     is_over_ = is_over_ || (has_authors_ && author_.means == JournalAuthor::Means::none);
     take(change.axis, Write{.object = change.address,
                             .value = change.value,
@@ -132,7 +132,7 @@ class JournalJudge final : public service::ReplayObserver {
                             .writer = author_.session});
   }
 
-  /// What comes next is shown, also where it is as before.
+  /// Shows the next state even if it is unchanged.
   void lose(std::size_t axis, std::string_view cause) {
     take(axis, Gap{cause});
     shown_[axis] = {};
@@ -158,11 +158,11 @@ class JournalJudge final : public service::ReplayObserver {
   std::optional<Judge> judge_;
   std::chrono::microseconds period_{};
   bool has_authors_ = false;
-  bool is_over_ = false;  ///< the bench ends: what follows is no master's
+  bool is_over_ = false;  ///< the bench is ending: later writes are not from a master
   JournalAuthor author_;
   std::uint64_t tick_ = 0;
   std::uint64_t gaps_ = 0;
-  std::vector<std::uint32_t> numbers_;  ///< of the axes, by index
+  std::vector<std::uint32_t> numbers_;  ///< axis numbers, by index
   std::vector<std::uint32_t> ignored_;  ///< set-points so far, by index
   std::vector<Shown> shown_;            ///< in the last tick, by index
   JournalVerdict result_;

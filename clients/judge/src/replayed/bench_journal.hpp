@@ -11,21 +11,21 @@
 
 namespace vdrive::judge {
 
-/// What the journal of a bench gives.
+/// The result of judging a journal of a bench.
 struct JournalVerdict {
   Verdict verdict;
   std::uint32_t bench = 0;         ///< its number
-  std::vector<std::string> notes;  ///< what the journal lacks, a line each
+  std::vector<std::string> notes;  ///< what the journal lacks, one per line
 };
 
-/// @return whether `source` begins as a journal does. Reads nothing.
+/// @return whether `source` begins like a journal. Does not consume any input.
 [[nodiscard]] bool is_journal(std::istream& source);
 
-/// Runs the drives of a journal again, as `vdrived --replay` does, and judges the masters by what
-/// they wrote and what these drives showed in each tick.
+/// Replays the drives of a journal, as `vdrived --replay` does, and judges the masters by their
+/// writes and by the state that these drives showed in each tick.
 /// @param threads that step the drives; nothing = as many as the bench had
-/// @throws std::runtime_error when it cannot be read to its end or replayed: it is damaged, was
-///         written by a version whose state has another layout, or a check of a tick differs
+/// @throws std::runtime_error if it cannot be read to the end or replayed: it is damaged, was
+///         written by a version with another state layout, or the check of a tick differs
 [[nodiscard]] JournalVerdict judge_journal(std::istream& journal,
                                            std::optional<std::uint32_t> threads = {});
 
