@@ -117,8 +117,7 @@ class Holdings {
   const std::uint64_t session_;
   mutable std::mutex mutex_;  ///< guards the members below
   std::map<std::uint32_t, Holding> holdings_;
-  std::map<std::uint32_t, std::mutex>
-      send_mutexes_;  ///< a map: elements must not move on insertion
+  std::map<std::uint32_t, std::mutex> send_mutexes_;  ///< a map: elements must not move
 };
 
 }  // namespace vdrive::client
