@@ -57,7 +57,7 @@ Contents read_recording(const std::string& file, const SampleHandler& handler) {
   try {
     return format == Format::mcap ? read_mcap(stream, handle) : read_text(stream, format, handle);
   } catch (const RecordingError& error) {
-    // What the handler writes is another file.
+    // The handler writes another file: its error must not be reported as one of this file.
     if (of_handler) std::rethrow_exception(of_handler);
     throw RecordingError(cannot + error.what());
   }

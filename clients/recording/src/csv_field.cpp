@@ -7,7 +7,7 @@
 namespace vdrive::recording {
 namespace {
 
-/// Takes a quoted field and the comma after it off `line`.
+/// Removes a quoted field and the comma after it from `line`.
 std::string take_quoted(std::string_view& line) {
   std::string field;
   std::size_t place = 1;

@@ -10,8 +10,8 @@
 #include <string>
 #include <string_view>
 
-/// The records of MCAP (https://mcap.dev/spec): opcode (u8), length of the body (u64), body; all
-/// numbers little-endian.
+/// The MCAP records (https://mcap.dev/spec): opcode (u8), length of the body (u64), body; all
+/// numbers are little-endian.
 namespace vdrive::recording {
 
 /// The first and the last bytes of a file.
@@ -40,7 +40,7 @@ enum class Opcode : std::uint8_t {
 
 using TextMap = std::map<std::string, std::string>;
 
-/// Appends one record to `out`; its length is known when the object ends.
+/// Appends one record to `out`; its length is filled in by the destructor.
 class RecordBuilder {
  public:
   RecordBuilder(std::string& out, Opcode opcode);
@@ -57,13 +57,13 @@ class RecordBuilder {
     return *this;
   }
 
-  /// A text or bytes after their length (u32).
+  /// Text or bytes, preceded by their length (u32).
   RecordBuilder& put(std::string_view text);
 
-  /// A map after its length in bytes (u32).
+  /// A map, preceded by its length in bytes (u32).
   RecordBuilder& put(const TextMap& map);
 
-  /// Bytes as they are.
+  /// Bytes without a length.
   RecordBuilder& put_raw(std::string_view bytes);
 
  private:
@@ -74,10 +74,10 @@ class RecordBuilder {
 /// Reads the body of one record.
 class BodyReader {
  public:
-  /// @param where the record, for an error: such as "the channel record at byte 120"
+  /// @param where the record, for error messages: such as "the channel record at byte 120"
   BodyReader(std::string_view body, std::string where);
 
-  /// @throws RecordingError when the body has no such number left; so do the others
+  /// @throws RecordingError, like the members below, if the rest of the body is too short
   template <std::unsigned_integral Number>
   [[nodiscard]] Number get() {
     Number number{};
@@ -92,7 +92,7 @@ class BodyReader {
   /// @return the next bytes.
   [[nodiscard]] std::string_view take(std::uint64_t size);
 
-  /// @return what is left.
+  /// @return the remaining bytes.
   [[nodiscard]] std::string_view rest() const noexcept { return body_; }
 
  private:
@@ -100,7 +100,7 @@ class BodyReader {
   std::string where_;
 };
 
-/// @return CRC-32 of `bytes` after what `crc` covers, as MCAP has it.
+/// @return the CRC-32 of `bytes`, continuing from `crc`, as defined by MCAP.
 [[nodiscard]] std::uint32_t crc_of(std::string_view bytes, std::uint32_t crc = 0) noexcept;
 
 }  // namespace vdrive::recording

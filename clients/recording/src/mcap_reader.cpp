@@ -13,7 +13,8 @@
 namespace vdrive::recording {
 namespace {
 
-// Writers make chunks of 1 to 4 MiB. A file of a few kB may claim this, and takes twice of it.
+// Writers make chunks of 1 to 4 MiB. A file of a few kB may claim this size, and takes twice as
+// much.
 constexpr int kLargestWindow = 26;                                           // power of two [bytes]
 constexpr std::uint64_t kLargestChunk = std::uint64_t{1} << kLargestWindow;  // [bytes]
 constexpr std::size_t kStep = std::size_t{1} << 20U;                         // [bytes]
@@ -40,7 +41,7 @@ std::string where(const McapRecord& record) {
          at(record.offset);
 }
 
-/// Allocates by what the decompression gives, not by the size that the file claims.
+/// Allocates memory as the decompression proceeds, not for the size claimed by the file.
 struct McapReader::Decompressor {
   std::unique_ptr<ZSTD_DCtx, decltype(&ZSTD_freeDCtx)> context{ZSTD_createDCtx(), &ZSTD_freeDCtx};
 
@@ -51,7 +52,7 @@ struct McapReader::Decompressor {
     ZSTD_DCtx_setParameter(context.get(), ZSTD_d_windowLogMax, kLargestWindow);
     ZSTD_inBuffer in{bytes.data(), bytes.size(), 0};
     out.clear();
-    out.reserve(size);  // pages are taken when they are written to
+    out.reserve(size);  // memory is only used once it is written to
     std::size_t filled = 0;
     while (filled < size) {
       out.resize(std::min<std::uint64_t>(size, filled + kStep));
@@ -127,7 +128,7 @@ std::optional<McapRecord> McapReader::next_of_file() {
   return record;
 }
 
-/// The checksum of the data is in the record after it, that of the summary in its last one.
+/// The checksum of the data is in the record after it, that of the summary in its last record.
 void McapReader::check_sums(const McapRecord& record, std::string_view head) {
   if (record.offset == kMcapMagic.size()) crc_ = crc_of(kMcapMagic);
   if (record.opcode == Opcode::data_end) {

@@ -15,7 +15,7 @@
 namespace vdrive::recording {
 namespace {
 
-// A crash of the program loses the chunk that is being filled.
+// A crash of the program loses the chunk being filled.
 constexpr std::size_t kChunk = std::size_t{1} << 20U;  // [bytes]
 constexpr std::chrono::seconds kOldest{1};
 
@@ -101,7 +101,7 @@ void McapRecording::status(const client::Observation& sample) {
                         bridge::encode_axis_status(axis, time));
     }
   }
-  // Between samples only: a file that is cut has whole ones.
+  // Only between samples, so that a truncated file contains complete ones.
   if (file_.pending() >= kChunk) end_chunk();
 }
 
@@ -174,7 +174,7 @@ struct Schema {
 /// A channel of the status.
 struct StatusChannel {
   std::uint32_t bench = 0;
-  std::string name{};  ///< of its axis, where it has one
+  std::string name{};  ///< of its axis, if it is of one axis
   std::string topic{};
   const StatusLayout* layout = nullptr;
 };
@@ -205,11 +205,11 @@ class StatusReader {
     }
   }
 
-  /// @param cut where the file ends before its end
+  /// @param cut where the file is truncated
   Contents finish(std::string cut) {
     if (status_.empty() && cut.empty()) refuse();
     contents_.cut = std::move(cut);
-    // A program that records topics may end between two of them.
+    // A program that records topics may stop between two of them.
     const std::string shortage = order_.shortage(sample_);
     if (shortage.empty()) end_sample();
     if (contents_.cut.empty()) contents_.cut = shortage;
@@ -306,7 +306,7 @@ class StatusReader {
     }
   }
 
-  /// Messages of axes of one bench and tick are one sample.
+  /// Messages of axes with the same bench and tick form one sample.
   void add(const client::AxisSnapshot& axis, const StatusChannel& channel) {
     if (!sample_.axes.empty()) {
       const client::AxisSnapshot& first = sample_.axes.front();

@@ -12,14 +12,14 @@
 
 namespace vdrive::recording {
 
-/// Records as MCAP: status, events and parameters as CDR with the schemas of the gateway, in drive
-/// time. A bench of few axes has a topic for each of them, one of many axes one for all.
+/// Records to MCAP: status, events and parameters in CDR with the schemas of the gateway, in drive
+/// time. A bench with few axes has one topic per axis, a bench with many axes one topic for all.
 class McapRecording : public Writer {
  public:
-  /// Most axes of a bench that have a topic each.
+  /// Most axes of a bench for which each has a topic.
   static constexpr std::size_t kMostTopics = 16;
 
-  /// @param version of the program, for people
+  /// @param version of the program, as information for readers
   McapRecording(std::unique_ptr<Output> output, const std::string& version);
 
   void begin(const std::vector<RecordedBench>& benches) override;
@@ -34,8 +34,8 @@ class McapRecording : public Writer {
     std::uint64_t period = 0;                           ///< of a tick [ns]
     std::string topic{};                                ///< such as "bench1"
     std::map<std::uint16_t, std::string> names{};       ///< of the axes, in topics
-    std::map<std::uint16_t, std::uint16_t> status{};    ///< by axis; 0 = of all axes
-    std::map<std::uint16_t, std::uint16_t> readings{};  ///< of parameters, likewise
+    std::map<std::uint16_t, std::uint16_t> status{};    ///< by axis; 0 = all axes
+    std::map<std::uint16_t, std::uint16_t> readings{};  ///< of parameters; by axis, 0 = all axes
     std::uint16_t events = 0;
   };
 
@@ -48,13 +48,13 @@ class McapRecording : public Writer {
   std::uint16_t axis_parameters_ = 0;
   std::uint16_t log_ = 0;
   std::map<std::uint32_t, Channels> benches_;
-  TextMap gaps_;  ///< of the samples in the chunk that is being filled
+  TextMap gaps_;  ///< of the samples in the chunk being filled
   Clock::time_point chunk_began_{};
 };
 
-/// Reads the status of an MCAP recording: this program's, or one that Foxglove made of what the
-/// gateway publishes.
-/// @param file from its beginning
+/// Reads the status of an MCAP recording made by this program, or by Foxglove from the topics of
+/// the gateway.
+/// @param file positioned at its beginning
 /// @throws RecordingError without the name of the file
 [[nodiscard]] Contents read_mcap(std::istream& file, const SampleHandler& handler);
 

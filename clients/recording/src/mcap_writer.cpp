@@ -11,7 +11,7 @@
 namespace vdrive::recording {
 namespace {
 
-// The quickest of the usual levels: a recorder shares the machine with what it records.
+// The fastest of the usual levels: a recorder shares the machine with the system it records.
 constexpr int kLevel = 1;
 constexpr std::string_view kZstd = "zstd";
 
@@ -128,7 +128,7 @@ void McapWriter::write_chunk(ChunkPlace& place) {
   place.length = buffer_.size();
 }
 
-/// The indexes go out with their chunk: a file that is cut has both, or neither.
+/// The indexes are written together with their chunk: a truncated file has both or neither.
 void McapWriter::write_indexes(ChunkPlace& place) {
   constexpr std::size_t kEntry = 16;
   std::ranges::sort(used_in_chunk_);
@@ -225,7 +225,7 @@ void McapWriter::finish() {
     RecordBuilder footer(summary, Opcode::footer);
     footer.put(start).put(start_of_offsets).put(std::uint32_t{0});
   }
-  // Over the summary and the footer up to this sum itself.
+  // Covers the summary and the footer up to this checksum.
   summary.resize(summary.size() - sizeof(std::uint32_t));
   const std::uint32_t crc = crc_of(summary);
   const void* const bytes = &crc;

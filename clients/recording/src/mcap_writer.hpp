@@ -16,13 +16,13 @@
 
 namespace vdrive::recording {
 
-/// Writes a file of MCAP: messages of CDR in chunks of zstd, each with its indexes, and a summary.
-/// What was written is readable without what follows. Each call throws what the
-/// output throws; the writer must not be used after that.
+/// Writes an MCAP file: CDR messages in zstd chunks, each with its indexes, and a summary. What has
+/// been written is readable without the rest. Each call throws the exceptions of the output; the
+/// writer must not be used after that.
 class McapWriter {
  public:
   /// Writes the beginning of the file.
-  /// @param library who writes, for people
+  /// @param library name of the writer, as information for readers
   McapWriter(std::unique_ptr<Output> output, std::string_view library);
   ~McapWriter();
   McapWriter(const McapWriter&) = delete;
@@ -34,24 +34,24 @@ class McapWriter {
   /// @return its number.
   std::uint16_t add_channel(std::string_view topic, std::uint16_t schema, const TextMap& metadata);
 
-  /// Written at once, in front of the chunk that is being filled.
+  /// Written immediately, before the chunk being filled.
   void add_metadata(std::string_view name, const TextMap& metadata);
 
   /// @param time of the message [ns]
   /// @param bytes CDR with its encapsulation header
   void add_message(std::uint16_t channel, std::uint64_t time, std::string_view bytes);
 
-  /// @return the bytes of the chunk that is being filled, before compression.
+  /// @return the bytes of the chunk being filled, before compression.
   [[nodiscard]] std::size_t pending() const noexcept { return chunk_.size(); }
 
-  /// Compresses and writes the chunk that is being filled, when it has a message.
+  /// Compresses and writes the chunk being filled, if it has a message.
   void end_chunk();
 
-  /// Writes the end of the file: the summary.
+  /// Writes the end of the file, with the summary.
   void finish();
 
  private:
-  /// A message in the chunk that is being filled.
+  /// A message in the chunk being filled.
   struct Place {
     std::uint64_t time = 0;
     std::uint64_t offset = 0;
@@ -92,14 +92,14 @@ class McapWriter {
   std::unique_ptr<Output> output_;
   std::unique_ptr<Compressor> compressor_;
   std::uint64_t offset_ = 0;  ///< bytes written
-  std::uint32_t crc_ = 0;     ///< of them
-  std::string schemas_;       ///< their records, for the summary too
+  std::uint32_t crc_ = 0;     ///< of these bytes
+  std::string schemas_;       ///< their records, repeated in the summary
   std::string channels_;
   std::uint16_t schema_count_ = 0;
-  std::vector<std::uint32_t> sequences_;      ///< messages of each channel
+  std::vector<std::uint32_t> sequences_;      ///< number of messages of each channel
   std::string chunk_;                         ///< being filled
   std::vector<std::vector<Place>> in_chunk_;  ///< by channel
-  std::vector<std::uint16_t> used_in_chunk_;  ///< channels that it has messages of
+  std::vector<std::uint16_t> used_in_chunk_;  ///< channels with messages in it
   TimeRange chunk_range_;
   TimeRange range_;
   std::uint64_t message_count_ = 0;

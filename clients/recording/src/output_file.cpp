@@ -14,7 +14,7 @@
 namespace vdrive::recording {
 
 OutputFile::OutputFile(std::string path) : path_(std::move(path)) {
-  constexpr mode_t kReadableForAll = 0666;  // less the umask
+  constexpr mode_t kReadableForAll = 0666;  // minus the umask
   file_ = ::open(path_.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, kReadableForAll);
   if (file_ < 0) fail();
 }

@@ -6,7 +6,7 @@
 
 namespace vdrive::recording {
 
-/// Where the bytes of a recording go.
+/// The destination of the bytes of a recording.
 class Output {
  public:
   Output() = default;
@@ -14,16 +14,16 @@ class Output {
   Output(const Output&) = delete;
   Output& operator=(const Output&) = delete;
 
-  /// @throws RecordingError when they cannot be written
+  /// @throws RecordingError if they cannot be written
   virtual void write(std::string_view bytes) = 0;
 };
 
-/// A file that is written from its beginning. A write ends in the system: a program that is killed
-/// loses nothing that was written.
+/// A file written from its beginning. Writes are not buffered in the program: if it is killed,
+/// nothing written is lost.
 class OutputFile final : public Output {
  public:
   /// Creates the file, or empties an existing one.
-  /// @throws RecordingError with the system's reason when it cannot be written
+  /// @throws RecordingError with the system's reason if it cannot be written
   explicit OutputFile(std::string path);
   ~OutputFile() override;
   OutputFile(const OutputFile&) = delete;
@@ -32,7 +32,7 @@ class OutputFile final : public Output {
   /// @throws RecordingError with the system's reason, such as a full disk
   void write(std::string_view bytes) override;
 
-  /// @throws RecordingError when the system reports a failed write only now
+  /// @throws RecordingError if the system reports a failed write only now
   void close();
 
  private:

@@ -11,7 +11,7 @@
 namespace vdrive::recording {
 namespace {
 
-/// Such as "between the ticks 12 and 15 of bench 1 (2)".
+/// @return such as "between the ticks 12 and 15 of bench 1 (2)".
 std::string place_of(const Gap& gap) {
   const std::string after = std::to_string(gap.after);
   const std::string where =
@@ -59,7 +59,7 @@ std::optional<client::Unit> unit_from(std::string_view name, std::string_view si
   const auto number = parse_number(size);
   client::Unit unit{
       .kind = client::UnitKind::rotary, .name = std::string(name), .size = number.value_or(0.0)};
-  // The units of an angle have names that no unit of a length has.
+  // Units of angle and units of length have different names.
   if (check_unit_name(unit.kind, name)) unit.kind = client::UnitKind::linear;
   return is_usable(unit) ? std::optional(unit) : std::nullopt;
 }

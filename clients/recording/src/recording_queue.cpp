@@ -7,7 +7,7 @@
 namespace vdrive::recording {
 namespace {
 
-// A sample does not wake the thread: a thousand times a second that costs more than the writing.
+// Samples do not wake the thread: a thousand wake-ups per second would cost more than the writing.
 constexpr std::chrono::milliseconds kPeriod{10};
 
 }  // namespace

@@ -17,17 +17,17 @@
 
 namespace vdrive::recording {
 
-/// Passes what is recorded to a writer, in a thread of its own: the receiving thread never waits.
-/// When the queue is full, samples are left out and counted until the writer has made room.
+/// Passes data to a writer on a separate thread, so that the receiving thread never waits. When the
+/// queue is full, samples are dropped and counted until the writer has made room.
 class RecordingQueue {
  public:
-  /// Most status images of axes that wait; 64 MB, half a second of 1,024 axes at 1 kHz.
+  /// Most waiting status images; 64 MB, half a second of 1,024 axes at 1 kHz.
   static constexpr std::size_t kMostImages = std::size_t{512} * 1024;
-  /// Most events that wait.
+  /// Most waiting events.
   static constexpr std::size_t kMostEvents = 4096;
 
-  /// @param writer one on which begin() was called
-  /// @param most_images kMostImages; one sample is always taken
+  /// @param writer begin() must have been called on it
+  /// @param most_images kMostImages; one sample is always accepted
   explicit RecordingQueue(std::unique_ptr<Writer> writer, std::size_t most_images = kMostImages);
 
   /// Ends the thread; without finish() the recording has no end.
@@ -39,21 +39,21 @@ class RecordingQueue {
   void push(client::Observation sample);
   void push(const client::Event& event);
 
-  /// @return why nothing is recorded any more; empty while it is.
+  /// @return why recording has stopped; empty while it continues.
   [[nodiscard]] std::string failure() const;
 
-  /// Writes what waits and the end. Call once, last.
-  /// @return what was recorded
-  /// @throws RecordingError when something could not be written
+  /// Writes the waiting data and the end of the recording. Call once, last.
+  /// @return the final figures
+  /// @throws RecordingError if something could not be written
   Summary finish();
 
  private:
   using Item = std::variant<client::Observation, client::Event>;
 
-  /// What was not recorded because the queue was full.
+  /// Samples not recorded because the queue was full.
   struct Dropped {
     std::uint64_t samples = 0;
-    std::uint64_t skipped = 0;  ///< ticks, which nobody has lost
+    std::uint64_t skipped = 0;  ///< ticks that were never run, so nothing was lost
   };
 
   void run();
@@ -62,12 +62,12 @@ class RecordingQueue {
   std::unique_ptr<Writer> writer_;
   const std::size_t most_images_;
 
-  mutable std::mutex mutex_;  ///< guards all below but the thread
+  mutable std::mutex mutex_;  ///< guards all members below except the thread
   std::condition_variable ending_;
   std::deque<Item> items_;
-  std::size_t images_ = 0;  ///< in `items_` and taken by the thread
+  std::size_t images_ = 0;  ///< in `items_` and in the items taken by the thread
   std::size_t events_ = 0;
-  std::map<std::uint32_t, Dropped> dropped_;  ///< since the last sample taken, by bench
+  std::map<std::uint32_t, Dropped> dropped_;  ///< since the last accepted sample, by bench
   Summary summary_;
   std::string failure_;
   bool is_ending_ = false;

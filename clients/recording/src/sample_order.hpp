@@ -10,22 +10,22 @@
 
 namespace vdrive::recording {
 
-/// Checks what the samples of a recording have in common, whatever its format: time goes on, and
-/// the last tick is whole.
+/// Checks required of the samples of every format: time must increase, and the last tick must be
+/// complete.
 class SampleOrder {
  public:
-  /// Takes an axis of a sample, in the order of the file.
-  /// @throws RecordingError with axis and ticks when it has this tick already, or its bench a later
-  ///         one: a part of the file is repeated, or stands in another place
+  /// Checks an axis of a sample, in the order of the file.
+  /// @throws RecordingError with axis and ticks if the axis already has this tick, or its bench a
+  ///         later one: then a part of the file is repeated or out of place
   void note(const client::AxisId& axis, std::uint64_t tick);
 
   /// @param last the last sample of the recording
-  /// @return what it lacks of the axes that the sample of its bench before it has, such as "the
-  ///         tick 7 of bench 1 has 1 of 2 axes"; empty when it is whole.
+  /// @return which axes it lacks compared with the previous sample of its bench, such as "the tick
+  ///         7 of bench 1 has 1 of 2 axes"; empty if it is complete.
   [[nodiscard]] std::string shortage(const client::Observation& last) const;
 
  private:
-  /// The axes of a bench that have one tick.
+  /// The axes of a bench with the same tick.
   struct Tick {
     std::uint64_t number = 0;
     std::set<std::uint16_t> axes{};

@@ -15,14 +15,14 @@
 namespace vdrive::recording {
 namespace {
 
-/// The next line, without what follows a #; off `text`.
+/// Removes the next line from `text` and returns it without the part after a #.
 std::string_view take_line(std::string_view& text) {
   const std::string_view line = text.substr(0, text.find('\n'));
   text.remove_prefix(std::min(text.size(), line.size() + 1));
   return line.substr(0, line.find('#'));
 }
 
-/// The next word; off `line`.
+/// Removes the next word from `line` and returns it.
 std::string_view take_word(std::string_view& line) {
   constexpr std::string_view kBlanks = " \t\r";
   line.remove_prefix(std::min(line.size(), line.find_first_not_of(kBlanks)));
@@ -77,7 +77,7 @@ constexpr std::array kTypes{TypeRow{"bool", next<std::uint8_t>},
                             TypeRow{"string", skip_text},
                             TypeRow{"builtin_interfaces/Time", skip_time}};
 
-/// @throws RecordingError when a read has failed
+/// @throws RecordingError if a read has failed
 void check(const wire::CdrReader& reader) {
   if (!reader.is_good()) {
     throw RecordingError("a message of the status is shorter than its schema");
@@ -86,7 +86,7 @@ void check(const wire::CdrReader& reader) {
 
 }  // namespace
 
-/// @return the field of a line of a schema; nothing for a line without one, such as a constant.
+/// @return the field in a line of a schema; nothing for a line without a field, such as a constant.
 std::optional<StatusLayout::Field> StatusLayout::field_of(std::string_view line) {
   if (line.find('=') != std::string_view::npos) return std::nullopt;
   std::string_view type = take_word(line);

@@ -16,18 +16,17 @@ class CdrReader;
 
 namespace vdrive::recording {
 
-/// How the fields of a status message lie in its bytes, by the ros2msg text of its schema: an
-/// AxisStatus or a BenchStatus of this or another version. Unknown members are skipped,
-/// missing ones are 0.
+/// The layout of a status message, derived from the ros2msg text of its schema: an AxisStatus or a
+/// BenchStatus of this or another version. Unknown members are skipped, missing ones are 0.
 class StatusLayout {
  public:
-  /// @throws RecordingError when a field has a type that is not known
+  /// @throws RecordingError if a field has an unknown type
   explicit StatusLayout(std::string_view schema);
 
   /// Reads one message.
   /// @param bytes CDR with its encapsulation header
-  /// @return an element an axis, without the number of the bench
-  /// @throws RecordingError when the bytes do not fit the layout
+  /// @return one element per axis, without the number of the bench
+  /// @throws RecordingError if the bytes do not fit the layout
   [[nodiscard]] std::vector<client::AxisSnapshot> decode(std::string_view bytes) const;
 
  private:

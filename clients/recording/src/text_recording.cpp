@@ -18,22 +18,22 @@
 namespace vdrive::recording {
 namespace {
 
-/// The fields of a row besides the members of the status, in the order of a CSV.
+/// The fields of a row other than the members of the status, in CSV order.
 constexpr std::array<std::string_view, 4> kBeforeMembers{"axis", "name", "tick", "missed"};
 constexpr std::array<std::string_view, 2> kAfterMembers{"owner", "owner_epoch"};
 
-/// At the end of a row; a recording of an older version has none of them.
+/// At the end of a row; missing in recordings of older versions.
 constexpr std::string_view kUnit = "unit";
-constexpr std::string_view kUnitSize = "unit_size";  // [UU] of one, or of a revolution
+constexpr std::string_view kUnitSize = "unit_size";  // [UU] per unit, or per revolution
 constexpr std::string_view kPositionInUnit = "position_in_unit";
 constexpr std::string_view kVelocityInUnit = "velocity_in_unit";
 constexpr std::array kOfUnit{kUnit, kUnitSize, kPositionInUnit, kVelocityInUnit};
 
-/// Made of the others; state and flags in JSON only.
+/// Derived from other fields; state and flags in JSON only.
 constexpr std::array<std::string_view, 4> kDerived{"state", "flags", kPositionInUnit,
                                                    kVelocityInUnit};
 
-/// The names of all fields that a row has in every version.
+/// The names of the fields that a row has in every version.
 const std::vector<std::string>& columns() {
   static const std::vector<std::string> names = [] {
     std::vector<std::string> all(kBeforeMembers.begin(), kBeforeMembers.end());
@@ -129,7 +129,7 @@ std::string TextRecording::json_row(const client::AxisSnapshot& axis, std::uint6
 
 namespace {
 
-/// One row, as it is read.
+/// One row as read.
 struct Row {
   client::AxisSnapshot axis;
   std::string name;
@@ -173,8 +173,8 @@ void set_member(const StatusMember& member, AxisStatus& status, std::string_view
   member.set(status, *value);
 }
 
-/// Sets what a field means.
-/// @return false when no field has this name
+/// Sets the value of a field.
+/// @return false if no field has this name
 bool set_field(Row& row, const std::string& column, const std::string& text) {
   const auto member = std::ranges::find(recorded_members(), column, &StatusMember::name);
   if (member != recorded_members().end()) {
@@ -207,7 +207,7 @@ bool set_field(Row& row, const std::string& column, const std::string& text) {
   throw RecordingError(what + " " + in_quotes(column));
 }
 
-/// @throws RecordingError when one is missing, unknown, or occurs twice
+/// @throws RecordingError if one is missing, unknown or duplicated
 void check_columns(const std::vector<std::string>& present) {
   std::set<std::string> seen;
   for (const std::string& column : present) {
@@ -227,7 +227,7 @@ std::string text_of(const Json& value) {
   return value.is_string() ? value.get<std::string>() : value.dump();
 }
 
-/// Reads line by line.
+/// Reads a text recording line by line.
 class TextReader {
  public:
   TextReader(std::istream& file, Format format, const SampleHandler& handler)

@@ -12,11 +12,11 @@
 
 namespace vdrive::recording {
 
-/// Records the status as text: CSV, or JSON lines. It has no events and no parameters.
+/// Records the status as text: CSV or JSON lines. Events and parameters are not recorded.
 class TextRecording : public Writer {
  public:
   /// @param format csv or json_lines
-  /// @param output gets whole lines, some at a time
+  /// @param output receives complete lines, several at a time
   TextRecording(std::unique_ptr<Output> output, Format format);
 
   void begin(const std::vector<RecordedBench>& benches) override;
@@ -35,17 +35,17 @@ class TextRecording : public Writer {
 
   std::unique_ptr<Output> output_;
   Format format_;
-  std::string lines_;  ///< that are not written yet
+  std::string lines_;  ///< not written yet
   std::map<client::AxisId, RecordedAxis> axes_;
 };
 
 /// @return the first line of a CSV recording.
 [[nodiscard]] std::string csv_header();
 
-/// Reads a recording of text. Rows of one bench and tick that follow each other are one sample.
-/// @param file from its beginning
+/// Reads a text recording. Consecutive rows with the same bench and tick form one sample.
+/// @param file positioned at its beginning
 /// @param format csv or json_lines
-/// @throws RecordingError without the name of the file, with the line
+/// @throws RecordingError without the name of the file, but with the line
 [[nodiscard]] Contents read_text(std::istream& file, Format format, const SampleHandler& handler);
 
 }  // namespace vdrive::recording
