@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Finds an axis, enables it, moves it, reads where it is.
+// Finds an axis, enables it, moves it, and reads its position.
 //
 //   vdrived &                        a bench with the axes 1.1 and 1.2
 //   01_enable_and_move [domain]
@@ -16,7 +16,7 @@ int main(int argc, char** argv) {
   if (argc > 1) options.domain = static_cast<std::uint32_t>(std::stoul(argv[1]));
   Session session(options);
 
-  // A call returns a value, or an outcome whose message gives the reason why there is none.
+  // A call returns a value, or an outcome whose message says why there is none.
   auto axis = session.axis("1.1");
   if (!axis) {
     std::cerr << axis.outcome().message() << '\n';

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Three axes draw the edges of a tetrahedron. Every edge is a straight line in the space of the
-// axes: all of them start on one tick, keep their proportions, and arrive on one tick.
+// Three axes draw the edges of a tetrahedron. Each edge is a straight line in axis space: all axes
+// start in the same tick, keep the ratio of their distances, and arrive in the same tick.
 //
 //   vdrived --axes 3 &
 //   02_three_axis_figure [domain]
@@ -53,13 +53,13 @@ int main(int argc, char** argv) {
   const Eigen::Vector3d b(8000, 8000, 0);
   const Eigen::Vector3d c(8000, 0, 8000);
   const Eigen::Vector3d d(0, 8000, 8000);
-  // Each of the six edges at least once, and back to the start.
+  // Each of the six edges at least once, returning to the start.
   const std::array figure{a, b, c, d, b, c, a, d, a};
 
   double worst = 0.0;
   for (std::size_t corner = 1; corner < figure.size(); ++corner) {
     GroupMoveOptions move;
-    move.velocity_factor = 0.5;  // of each axis' own speed
+    move.velocity_factor = 0.5;  // of the speed of each axis
     move.call.progress = [&](const GroupProgress& seen) {
       worst = std::max(
           worst, distance_from_line(demand_of(seen.axes), figure[corner - 1], figure[corner]));

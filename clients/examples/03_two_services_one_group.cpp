@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// One group over two services: a gantry whose two sides are on different machines. They start and
-// arrive on the same tick, because both count ticks by synchronised clocks.
+// One group across two services: a gantry whose two sides are on different machines. They start and
+// arrive in the same tick, because both derive their ticks from synchronised clocks.
 //
 //   vdrived --bench 1 --axes 1 &
 //   vdrived --bench 2 --axes 1 &
@@ -32,8 +32,8 @@ int main(int argc, char** argv) {
     return 1;
   }
 
-  // Both sides are at the same place at every tick, unless a machine is so busy that a bench has to
-  // skip ticks (see the event of the jump): then its side lags behind.
+  // Both sides are at the same position in every tick, unless a machine is so busy that its bench
+  // has to skip ticks (see the event of the jump): then that side lags behind.
   double skew = 0.0;
   GroupMoveOptions move;
   move.call.progress = [&skew](const GroupProgress& seen) {
@@ -44,7 +44,7 @@ int main(int argc, char** argv) {
   for (const double position : {20'000.0, -5'000.0, 1'000.0}) {
     const Outcome moved = gantry->move_together(Eigen::Vector2d::Constant(position), move);
     if (!moved) {
-      // The message names the axis. Its fault has stopped the other side too.
+      // The message names the axis. Its fault has also stopped the other side.
       std::cerr << moved.message() << '\n';
       return 1;
     }

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Co-simulation in lock-step: this program is the load. Each tick it takes the position of the
-// axis, works out the torque of a pendulum on its shaft, and feeds it back (5E00h). Time passes
-// only when the program steps the clock; the run is the same every time.
+// Co-simulation in lock-step: this program is the load. In each tick it reads the position of the
+// axis, computes the torque of a pendulum on its shaft, and feeds it back (5E00h). Time passes only
+// when the program steps the clock, so every run is the same.
 //
 //   vdrived --clock lockstep &
 //   04_cosimulation [domain]
@@ -20,12 +20,13 @@ namespace {
 constexpr vdrive::ObjectAddress kTestLoadTorque{0x5E00, 0};  // [mN.m]
 constexpr double kUnitsPerRevolution = 4096.0;
 
-/// A point mass on a rod without mass, hanging down at position 0.
+/// A point mass on a massless rod, hanging down at position 0.
 struct Pendulum {
   double mass = 0.5;    // [kg]
   double length = 0.2;  // [m]
 
-  /// Torque of gravity on the shaft [mN.m]; positive accelerates in positive direction.
+  /// Gravitational torque on the shaft [mN.m]; a positive value accelerates in the positive
+  /// direction.
   [[nodiscard]] std::int64_t torque_at(double position) const {
     constexpr double kGravity = 9.81;
     const double angle = 2.0 * std::numbers::pi * position / kUnitsPerRevolution;
@@ -33,7 +34,7 @@ struct Pendulum {
   }
 };
 
-/// Ticks until the axis shows that the target is reached; -1 when something went wrong.
+/// @return the ticks until the axis shows target reached; -1 if something went wrong.
 long follow(Axis& axis, Follower& ticks, const Pendulum& pendulum) {
   constexpr std::uint16_t kTargetReached = 1U << 10U;
   for (long tick = 1; tick <= 20'000; ++tick) {
@@ -77,7 +78,7 @@ int main(int argc, char** argv) {
   for (const double degrees : {90.0, 180.0}) {
     const auto target = static_cast<std::int32_t>(degrees / 360.0 * kUnitsPerRevolution);
     MoveOptions move{.velocity = 4096, .acceleration = 16'384, .deceleration = 16'384, .call = {}};
-    move.call.until = Until::in_force;  // this loop waits, not the call
+    move.call.until = Until::in_force;  // the loop below waits, not the call
     if (const Outcome started = axis->move_to(target, move); !started) {
       std::cerr << started.message() << '\n';
       return 1;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// What a program has to cope with, made to order: every fault that the bench can inject (5E01h to
-// 5E05h), what the axis shows, and how it is brought back.
+// Faults on demand, for testing how a program handles them: every fault that the bench can inject
+// (5E01h to 5E05h), what the axis shows, and how to recover.
 //
 //   vdrived &
 //   05_test_bench_with_faults [domain]
@@ -19,7 +19,7 @@ namespace {
 struct Fault {
   std::string_view name;
   Disturbance disturbance;
-  std::uint16_t error_code;  // what 603Fh must show
+  std::uint16_t error_code;  // expected in 603Fh
 };
 
 constexpr std::array kFaults{
@@ -30,7 +30,7 @@ constexpr std::array kFaults{
     Fault{"blocked load, hence a following error", Disturbance::blocked_load, 0x8611},
 };
 
-/// @return whether the axis failed with the fault and came back after it.
+/// @return whether the axis failed with the fault and recovered.
 bool survives(Axis& axis, const Fault& fault) {
   if (!axis.enable() || !axis.disturb(fault.disturbance)) return false;
 
@@ -42,7 +42,7 @@ bool survives(Axis& axis, const Fault& fault) {
     return false;
   }
 
-  // While the cause is there the axis does not take a reset; a blocked load is no lasting cause.
+  // While the cause persists, the axis refuses a reset; a blocked load is not a persistent cause.
   const Outcome early = axis.reset_fault();
   if (!early) std::cout << "  too early: " << early.message() << '\n';
 
@@ -51,7 +51,7 @@ bool survives(Axis& axis, const Fault& fault) {
     std::cerr << reset.message() << '\n';
     return false;
   }
-  // Nothing moves by itself after a reset: enable, then move.
+  // Nothing moves automatically after a reset: enable, then move.
   return axis.enable() && axis.move_to(0);
 }
 

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// A controller of your own: it plans positions itself and sends them ahead, each for the tick in
-// which it is in force (cyclic synchronous position, 6060h = 8). No call waits for an answer; the
-// status shows what became of the set-points.
+// A controller of your own: it plans the positions itself and sends them ahead, each for the tick
+// in which it takes effect (cyclic synchronous position, 6060h = 8). No call waits for an answer;
+// the status shows the effect of the set-points.
 //
 //   vdrived --clock lockstep &
 //   07_set_points [domain]
@@ -22,16 +22,16 @@ using namespace vdrive::client;
 namespace {
 
 constexpr int kTicks = 2000;          // of 1 ms
-constexpr int kAhead = 100;           // set-points sent in one go; a bench keeps 1,024, up to 10 s
+constexpr int kAhead = 100;           // set-points sent at a time; a bench keeps 1,024, up to 10 s
 constexpr double kDistance = 4096.0;  // [UU]
 
-/// A smooth way of kDistance: at rest at both ends.
+/// A smooth motion over kDistance, at rest at both ends.
 std::int32_t offset_at(int tick) {
   const double phase = std::numbers::pi * tick / kTicks;
   return static_cast<std::int32_t>(std::lround(kDistance * (1.0 - std::cos(phase)) / 2.0));
 }
 
-/// The mode changes while the axis rests; from its first position on it follows.
+/// The mode changes while the axis is at rest; the axis follows from its first position on.
 void begin_following(Session& session, Axis& axis) {
   const SetPointFrame mode{.axes = {{.axis = axis.id().axis,
                                      .mode = vdrive::OperatingMode::cyclic_synchronous_position}}};
@@ -44,7 +44,7 @@ void begin_following(Session& session, Axis& axis) {
   follows.outcome().or_throw();
 }
 
-/// @return in how many ticks the demand (6062h) was not the position that was sent for it.
+/// @return the number of ticks in which the demand (6062h) was not the position sent for it.
 int follow(Session& session, Axis& axis) {
   const AxisSnapshot start = axis.status().value();
   const std::int32_t from = start.status.position_demand_value;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Moves axis 1 of bench 1 to 10000 user units with nothing but the IDL and a DDS: no library of
-// vdrive. This one is in C with Cyclone DDS; the steps are those of docs/reference/wire.md,
+// Moves axis 1 of bench 1 to 10000 user units with nothing but the IDL and a DDS implementation: no
+// vdrive library. This one is in C with Cyclone DDS; the steps are those of docs/reference/wire.md,
 // "From nothing to a move". For a bench in real time: raw_dds [DOMAIN]
 #include "vdrive_messages.h"  // what idlc makes of idl/vdrive_messages.idl
 
@@ -11,7 +11,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-// A service is on loopback unless its configuration names other interfaces. CYCLONEDDS_URI wins.
+// A service is on loopback unless its configuration names other interfaces. CYCLONEDDS_URI takes
+// precedence.
 static const char kLoopback[] =
     "<CycloneDDS><Domain><General><Interfaces><NetworkInterface name='lo' multicast='true'/>"
     "</Interfaces></General></Domain></CycloneDDS>";
@@ -21,12 +22,12 @@ enum { kBench = 1, kTarget = 10000, kReached = 0x1637 };
 static dds_entity_t participant;
 static dds_entity_t benches, statuses, command_replies, replies;  // readers
 static dds_entity_t commands, requests;                           // writers
-static uint64_t incarnation, session;  // this run of the service; who we are
+static uint64_t incarnation, session;  // this run of the service; our session
 static uint32_t epoch;                 // proves that we hold the axis
 static uint64_t sequence, commanded;   // number of the last frame; of the last with a command
-static uint16_t axis = 1, awaited;     // ours; the statusword that we wait for
-static vdrive_msg_Request request = {.bench = kBench};  // the open one
-static vdrive_msg_AxisStatus shown;                     // by our axis; its sequence is not kept
+static uint16_t axis = 1, awaited;     // our axis; the statusword that we wait for
+static vdrive_msg_Request request = {.bench = kBench};  // the pending one
+static vdrive_msg_AxisStatus shown;  // status of our axis; its sequence is not kept
 
 static void fail(const char* what) {
   fprintf(stderr, "raw_dds: %s\n", what);
@@ -38,7 +39,7 @@ static dds_entity_t checked(dds_entity_t result) {
   return result;
 }
 
-// The three kinds of topics: a queue, the last value also for latecomers, a stream.
+// The three kinds of topics: a queue, the last value (also for late joiners), a stream.
 typedef enum Kind { kQueue, kLastValue, kStream } Kind;
 
 static dds_qos_t* quality(Kind kind) {
@@ -62,7 +63,7 @@ static dds_entity_t writer(const char* name, const dds_topic_descriptor_t* type)
   return checked(dds_create_writer(participant, topic, quality(kQueue), NULL));
 }
 
-// Takes a sample into *sample; false when there is none yet. What it took before goes back.
+// Takes a sample into *sample; false if there is none yet. Returns the loan of the previous one.
 static bool take(dds_entity_t from, void** sample) {
   dds_sample_info_t info;
   if (*sample != NULL) dds_return_loan(from, sample, 1);
@@ -97,7 +98,7 @@ static bool bench_found(void) {
 }
 
 // 3. A request, and the reply that names its client and number. The very first reply may be lost,
-// so what is not answered within a second is asked again.
+// so a request not answered within a second is sent again.
 static bool answered(void) {
   static void* sample = NULL;
   static int looks = 0;
@@ -105,7 +106,7 @@ static bool answered(void) {
     ++request.request_id;
     checked(dds_write(requests, &request));
   }
-  while (take(replies, &sample)) {  // everybody's replies come here
+  while (take(replies, &sample)) {  // the replies to all clients arrive here
     const vdrive_msg_Reply* reply = sample;
     if (reply->client != session || reply->request_id != request.request_id) continue;
     if (reply->reason != vdrive_msg_REASON_NONE) fail("the request was refused");
@@ -140,12 +141,12 @@ static void send_frame(vdrive_msg_AxisCommand* command) {
   checked(dds_write(commands, &frame));
 }
 
-// 5. What the axis shows. The watchdog expects a frame every 100 ms: each check sends one.
+// 5. The status of the axis. The watchdog expects a frame every 100 ms: each check sends one.
 static bool status_shown(void) {
   static void* reply = NULL;
   static void* sample = NULL;
   send_frame(NULL);
-  while (take(command_replies, &reply)) {  // not asked for: something was refused or ignored
+  while (take(command_replies, &reply)) {  // unsolicited: something was refused or ignored
     if (((vdrive_msg_CommandReply*)reply)->session == session) fail("a command was refused");
   }
   while (take(statuses, &sample)) {

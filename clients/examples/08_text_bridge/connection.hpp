@@ -12,14 +12,14 @@
 #include <string>
 #include <utility>
 
-/// The world of the text bridge: lines over TCP. It knows no bench.
+/// The protocol of the text bridge: lines over TCP. It knows nothing about benches.
 namespace text_bridge {
 
 namespace asio = boost::asio;
 using asio::ip::tcp;
 using AsioError = boost::system::error_code;
 
-/// A client: its lines are obeyed one after the other. For the thread of the loop.
+/// A client: its lines are executed one after another. Used on the thread of the loop only.
 class Connection final : public std::enable_shared_from_this<Connection> {
  public:
   static constexpr std::size_t kLongestLine = 1'000;
@@ -32,7 +32,7 @@ class Connection final : public std::enable_shared_from_this<Connection> {
 
   [[nodiscard]] bool is_open() const { return socket_.is_open(); }
 
-  /// Has the next line obeyed, whose answer calls this again.
+  /// Reads and executes the next line; sending its answer calls this again.
   void read() {
     const auto take_line = [self = shared_from_this()](const AsioError& error, std::size_t size) {
       if (error) return self->close();
@@ -44,7 +44,7 @@ class Connection final : public std::enable_shared_from_this<Connection> {
   }
 
   void send(const std::string& line) {
-    // Whoever does not read is not waited for.
+    // Do not wait for a client that does not read.
     if (!output_.put(line + "\n")) return close();
     if (output_.size() == 1) write();
   }
@@ -71,8 +71,8 @@ class Connection final : public std::enable_shared_from_this<Connection> {
   vdrive::BoundedQueue<std::string> output_{kMostWaitingLines, vdrive::WhenFull::refuses_newest};
 };
 
-/// The answer to a line, sent when nobody is left who could change it: a job that is dropped with
-/// its bench is answered, too. Any thread.
+/// The answer to a line, sent once nobody can change it any more: even a job that is dropped with
+/// its bench is answered. Any thread.
 class Answer final {
  public:
   Answer(asio::io_context& loop, std::shared_ptr<Connection> connection)

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// A bridge to a world of plain text over TCP. A new bridge starts from this file: it has what every
-// bridge has, and the smallest world. The kit, clients/bridge, keeps the books of the benches
-// (Roster) and the connection to each (BenchLink); a bridge says what its world makes of them
-// (BenchHost, BenchAdapter). connection.hpp is this world.
+// A bridge to a plain-text protocol over TCP. Start a new bridge from this file: it has everything
+// that a bridge needs, with the simplest protocol. The kit, clients/bridge, keeps track of the
+// benches (Roster) and of the connection to each (BenchLink); a bridge implements how benches
+// appear in its protocol (BenchHost, BenchAdapter). connection.hpp is the protocol.
 //
-// The thread of the loop has the connections and the benches, and never waits for one. What waits
-// is a job of a BenchLink; what a thread of a link has to say is posted to the loop.
+// The thread of the loop owns the connections and the benches, and never waits for a bench. Calls
+// that wait are jobs of a BenchLink; results from the threads of a link are posted to the loop.
 //
 //   vdrived --clock realtime &
 //   text_bridge [domain] [port]
@@ -56,29 +56,30 @@ constexpr std::uint16_t kPort = 8766;
 constexpr std::chrono::milliseconds kFindPeriod{200};
 constexpr std::size_t kMostConnections = 64;
 
-// A stop is never refused: it takes the place of an older one.
+// A stop is never refused: it replaces an older one.
 constexpr bridge::AxisJobs::Kind kStop = 1;
 
 using AnswerPointer = std::shared_ptr<Answer>;
 
-/// A bench that the bridge serves: what the threads of its link show, for the thread of the loop.
+/// A bench served by the bridge: the state from the threads of its link, for the thread of the
+/// loop.
 class TextBench final : public bridge::BenchAdapter {
  public:
-  /// @param tell takes a line for all clients; any thread
+  /// @param tell sends a line to all clients; any thread
   TextBench(client::Session& session, bridge::Reports& reports, const client::BenchInfo& info,
             std::function<void(const std::string& line)> tell)
       : label_("bench " + std::to_string(info.number)),
         axes_(info.axes),
         tell_(std::move(tell)),
-        // Control comes with the first command to an axis. A bridge that streams set-points has its
-        // link keep it: BenchLink::want_control().
+        // Control is acquired with the first command to an axis. A bridge that streams set-points
+        // makes its link keep control: BenchLink::want_control().
         link_(*this, session, reports, info, {.label = label_}) {}
 
   [[nodiscard]] bridge::BenchLink& link() noexcept { return link_; }
 
   [[nodiscard]] const std::vector<client::AxisInfo>& axes() const noexcept { return axes_; }
 
-  /// @return the newest state; none while the bench is silent.
+  /// @return the newest state; null while the bench is silent.
   [[nodiscard]] State state() const {
     const std::scoped_lock lock(mutex_);
     return state_;
@@ -108,7 +109,7 @@ class TextBench final : public bridge::BenchAdapter {
   bridge::BenchLink link_;  // last: its threads use the others
 };
 
-/// An axis of a bench that is served.
+/// An axis of a bench being served.
 struct Place {
   TextBench& bench;
   std::size_t axis = 0;
@@ -120,7 +121,7 @@ class TextBridge final : private bridge::BenchHost {
   TextBridge(const client::SessionOptions& options, std::uint16_t port)
       : session_(options), acceptor_(loop_), find_timer_(loop_), signals_(loop_, SIGINT, SIGTERM) {
     bridge::listen_on(acceptor_, "127.0.0.1", port, "127.0.0.1:" + std::to_string(port));
-    // A bench that announces its end goes at once, one that falls silent after a minute.
+    // A bench that announces its end is removed immediately, one that falls silent after a minute.
     session_.watch_services([this](const client::ServiceChange& change) {
       roster_.note(change, bridge::Roster::Clock::now());
       asio::post(loop_, [this] {
@@ -136,7 +137,7 @@ class TextBridge final : private bridge::BenchHost {
 
   ~TextBridge() override {
     session_.watch_services({});
-    session_.interrupt();  // calls that wait for a bench end
+    session_.interrupt();  // ends calls that wait for a bench
   }
 
   TextBridge(const TextBridge&) = delete;
@@ -167,7 +168,7 @@ class TextBridge final : private bridge::BenchHost {
   }
 
   std::optional<std::string> add(const client::BenchInfo& info) override {
-    // The link of a bench that is replaced may still have something to tell while it ends.
+    // The link of a replaced bench may still report something while it ends.
     const auto is_served = is_served_[info.number] = std::make_shared<bool>(true);
     const auto tell = [this, is_served](const std::string& line) {
       asio::post(loop_, [this, is_served, line] {
@@ -180,7 +181,7 @@ class TextBridge final : private bridge::BenchHost {
 
   void remove(std::uint32_t bench, bool /*is_replaced*/) override {
     *is_served_.extract(bench).mapped() = false;
-    // Its calls may wait for the bench: not in the thread of the loop.
+    // Its calls may wait for the bench, so they must not run on the thread of the loop.
     (void)closer_.post([ending = benches_.extract(bench).mapped()] {});
     tell_all("bench " + std::to_string(bench) + " has gone");
   }
@@ -191,7 +192,7 @@ class TextBridge final : private bridge::BenchHost {
     is_accepting_ = true;
     acceptor_.async_accept([this](const AsioError& error, tcp::socket socket) {
       is_accepting_ = false;
-      if (error) return;  // such as too many open files: tried again with the next search
+      if (error) return;  // for example too many open files: retried with the next search
       std::erase_if(connections_, [](const auto& connection) {
         return !connection->is_open();
       });
@@ -277,13 +278,13 @@ class TextBridge final : private bridge::BenchHost {
     if (!position || !std::in_range<std::int32_t>(*position)) {
       return answer->fail(in_quotes(number) + " is no position");
     }
-    // Not move_to(): a stop would wait for the end of the move.
+    // Not move_to(): a stop would have to wait for the end of the move.
     post(place, answer, [target = static_cast<std::int32_t>(*position)](client::Axis& axis) {
       return axis.start_move(target).outcome();
     });
   }
 
-  /// Has a command done by a worker of the link.
+  /// Runs a command on a worker of the link.
   template <typename Command>
   static void post(const Place& place, const AnswerPointer& answer, const Command& command) {
     const auto job = [answer, command](client::Axis& axis) {
@@ -295,7 +296,7 @@ class TextBridge final : private bridge::BenchHost {
     answer->fail("the bench is silent, or too many commands wait");
   }
 
-  /// Halts the axes that are enabled, after what each was asked for before.
+  /// Halts the enabled axes, each after the commands given before.
   void stop(const AnswerPointer& answer) {
     answer->set("ok");
     for (const auto& [number, bench] : benches_) {
@@ -311,7 +312,7 @@ class TextBridge final : private bridge::BenchHost {
     }
   }
 
-  asio::io_context loop_{1};  // first: others post to it
+  asio::io_context loop_{1};  // first: the others post to it
   bridge::Reports reports_{"text_bridge", {}};
   client::Session session_;
   bridge::Worker closer_;
