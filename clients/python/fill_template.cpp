@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Prints a template of the package, with the tables of the drive in it: in place of a line
-// "# rows: NAME" a line for each row of that table, indented as it is. The build runs this program.
+// Prints a template of the package with the tables of the drive filled in: each line "# rows: NAME"
+// is replaced by one line per row of that table, with the same indentation. Run by the build.
 #include "vdrive/axis_status.hpp"
 #include "vdrive/cia402/bit_names.hpp"
 #include "vdrive/cia402/error_code.hpp"
@@ -66,10 +66,10 @@ Lines operating_modes() {
   return lines;
 }
 
-/// A bit that modes read in different ways has a name for each of them.
+/// A bit with different meanings in different modes has a name for each of them.
 Lines statusword_bits() {
   constexpr unsigned kBits = 16;
-  constexpr std::string_view kNameless = "bit ";  // of a bit that only modes name
+  constexpr std::string_view kNameless = "bit ";  // of a bit that is named by modes only
   Lines lines;
   for (unsigned place = 0; place < kBits; ++place) {
     const auto bit = static_cast<std::uint16_t>(1U << place);
@@ -113,7 +113,7 @@ std::string text_of(const StatusMember& member) {
   return object_text(member.address) + (units.empty() ? "." : ", in " + units + ".");
 }
 
-/// @return the letter of the type for the module struct of Python.
+/// @return the character for the type in Python's struct module.
 char format_of(DataType type) {
   const std::string_view letters = range_of(type).lowest < 0 ? "bhiq" : "BHIQ";
   return letters.at(static_cast<std::size_t>(std::countr_zero(size_of(type))));
@@ -161,7 +161,7 @@ Lines rows_of(const std::string& name) {
   return table->second();
 }
 
-/// @throws std::invalid_argument when there is no such file, or it names an unknown table
+/// @throws std::invalid_argument if the file does not exist or names an unknown table
 void print_filled(const std::string& path) {
   constexpr std::string_view kMark = "# rows: ";
   std::ifstream file(path);

@@ -21,7 +21,7 @@ import zipfile
 
 HERE = pathlib.Path(__file__).resolve().parent
 ROOT = HERE.parents[1]
-# What the interpreter needs itself, or apt.
+# Needed by the interpreter itself, or installed by apt.
 EVERYWHERE = ("ld-linux", "libc.so", "libgcc_s.so", "libm.so", "libstdc++.so", "libz.so")
 
 
@@ -107,7 +107,7 @@ def build_wheel(wheel_directory, config_settings=None, metadata_directory=None):
     name = f"{information.name.removesuffix('.dist-info')}-{_tag()}.whl"
     with zipfile.ZipFile(pathlib.Path(wheel_directory) / name, "w", zipfile.ZIP_DEFLATED) as wheel:
         for path, content in files.items():
-            entry = zipfile.ZipInfo(path)  # of 1980: the same files give the same wheel
+            entry = zipfile.ZipInfo(path)  # dated 1980, so that the same files give the same wheel
             entry.compress_type = zipfile.ZIP_DEFLATED
             entry.external_attr = (0o755 if ".so" in path else 0o644) << 16
             wheel.writestr(entry, content)

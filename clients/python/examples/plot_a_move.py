@@ -7,7 +7,7 @@
 #
 #     plot_a_move.py [FILE.svg]
 #
-# It starts a bench of its own, records a move and one against a load, and draws both. In lock-step
+# It creates its own bench, records a free move and one against a load, and plots both. In lock-step
 # each run gives the same file.
 
 # %%
@@ -19,16 +19,16 @@ matplotlib.use("svg")
 import matplotlib.pyplot as plt
 import vdrive
 
-# Nothing in the file depends on when and where it was drawn.
+# The file must not depend on when and where it was drawn.
 matplotlib.rcParams["svg.hashsalt"] = "vdrive"
 matplotlib.rcParams["font.family"] = "DejaVu Sans"
 
-# %% A bench of its own, with two axes.
+# %% A private bench with two axes.
 bench = vdrive.Bench()
 session = bench.session()
 free, loaded = session.axis("1.1"), session.axis("1.2")
 
-# %% The second axis carries 1.5 N.m from the middle of the move on.
+# %% The second axis gets a load of 1.5 N.m from the middle of the move on.
 for axis in (free, loaded):
     axis.enable()
     axis.start_move(8192, velocity=20000, acceleration=100000, deceleration=60000)
@@ -36,7 +36,7 @@ first = session.record([free, loaded], ticks=300)
 loaded.disturb("load_torque", -1500)
 second = session.record([free, loaded], ticks=500)
 
-# %% Recordings are arrays of numpy: a row per tick, a column per axis.
+# %% Recordings are numpy arrays: a row per tick, a column per axis.
 milliseconds = list(range(800))
 
 

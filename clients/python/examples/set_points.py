@@ -14,7 +14,7 @@ import sys
 import vdrive
 
 TICKS = 2000  # of 1 ms
-AHEAD = 100  # set-points sent in one go; a bench keeps 1,024, up to 10 s
+AHEAD = 100  # set-points sent at a time; a bench keeps 1,024, up to 10 s
 DISTANCE = 4096  # UU
 
 
@@ -28,7 +28,7 @@ def main():
     with vdrive.Bench(axes=1, over=over) as bench, bench.session() as session:
         axis = session.axis("1.1")
         axis.enable()
-        # The mode changes while the axis rests; from its first position on it follows.
+        # The mode changes while the axis is at rest; the axis follows from its first position on.
         mode = vdrive.OperatingMode.CYCLIC_SYNCHRONOUS_POSITION
         session.send_set_points({1: {"op_mode_cmd": mode}})
         start = axis.wait_until(lambda status: status.op_mode_actual == mode, timeout=1)
@@ -38,7 +38,7 @@ def main():
             for tick in range(sent + 1, sent + AHEAD + 1):
                 session.send_set_points({1: {"position_user_target_value": start.demand + offset_at(tick)}},
                                         tick=start.tick + tick)
-            demands = follower.take(AHEAD)["position_demand_value"][:, 0]  # a step for each
+            demands = follower.take(AHEAD)["position_demand_value"][:, 0]  # one step each
             wanted = [start.demand + offset_at(sent + 1 + place) for place in range(AHEAD)]
             missed += int((demands != wanted).sum())
         session.wait(0.2)

@@ -32,7 +32,7 @@ with vdrive.Bench(axes=1, over=over) as left, \
     gantry.move_together([8192, 8192], progress=note)
     print("positions:", gantry.status().actual.tolist(), "widest gap of the demands:", widest)
 
-    # What happens to one beam stops the other: the group watches both benches.
+    # A fault of one beam stops the other: the group monitors both benches.
     session.axis("2.1").disturb("over_current")
     try:
         gantry.move_together([0, 0])

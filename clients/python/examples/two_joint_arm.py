@@ -24,12 +24,12 @@ import vdrive
 
 GRAVITY = 9.81  # m/s^2
 PERIOD = 0.001  # s
-UNITS = 4096 / (2 * math.pi)  # user units of a radian
-GEAR = 100  # turns of a motor for a turn of its joint
+UNITS = 4096 / (2 * math.pi)  # user units per radian
+GEAR = 100  # motor turns per joint turn
 ROTOR = 3.0e-4  # kg.m2
 VISCOUS = 2.0e-4  # N.m.s/rad, at the motor
 COULOMB = 0.01  # N.m, at the motor
-RATED_TORQUE = 3.0  # N.m, of the motor
+RATED_TORQUE = 3.0  # N.m, motor
 TARGET_REACHED = 1 << 10
 MOTION = [name for name in vdrive.record_type().names if not name.startswith("owner")]
 
@@ -120,14 +120,14 @@ def swing(arm, session):
         group.move_together(numpy.rint(numpy.array(degrees) / 360 * 4096), until="in_force")
         for sample in session.follow(axes):
             frame = sample.array()
-            # The owner is the number of the session, which is random.
+            # Only these members: the owner is the number of the session, which is random.
             for name in MOTION:
                 bits.update(frame[name].tobytes())
             q = frame["load_position_actual_value"] / UNITS
             speed = frame["load_velocity_actual_value"] / UNITS
             balance.add(q, speed, torque,
                         frame["torque_actual_value"] / 1000 * RATED_TORQUE * GEAR)
-            # Whole user units a second: their slope over 10 ms is quiet enough.
+            # Speeds are in whole user units per second: their slope over 10 ms has little noise.
             speeds = (speeds + [speed])[-11:]
             acceleration = (speed - speeds[0]) / (PERIOD * max(1, len(speeds) - 1))
             torque = arm.torque(q, speed, acceleration)

@@ -8,11 +8,12 @@
 #include <chrono>
 #include <cstdint>
 
-/// Plain values, which the package has checked, as the client library takes them, and back.
+/// Conversions between plain values, already checked by the package, and those of the client
+/// library.
 namespace vdrive::python {
 
 /// @param nanoseconds 0 to 100 years
-/// @return the same, rounded up to whole milliseconds.
+/// @return the duration, rounded up to milliseconds.
 [[nodiscard]] inline std::chrono::milliseconds milliseconds_of(std::int64_t nanoseconds) {
   return std::chrono::ceil<std::chrono::milliseconds>(std::chrono::nanoseconds(nanoseconds));
 }
@@ -34,7 +35,7 @@ namespace vdrive::python {
 
 inline constexpr unsigned kSubindexBits = 8;
 
-/// @param object the index, and the sub-index in the lowest byte
+/// @param object index and, in the lowest byte, sub-index
 [[nodiscard]] inline ObjectAddress object_of(std::uint32_t object) {
   return {.index = static_cast<std::uint16_t>(object >> kSubindexBits),
           .subindex = static_cast<std::uint8_t>(object)};

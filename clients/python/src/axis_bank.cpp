@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The drive alone: a bank of axes that the interpreter's program steps itself.
+// The drive alone: a bank of axes that the program steps itself.
 #include "vdrive/axis_bank.hpp"
 
 #include "arguments.hpp"
@@ -35,21 +35,21 @@
 namespace vdrive::python {
 namespace {
 
-/// Ticks of axes between two looks at the signals that have come: some 10 ms.
+/// Axis-ticks between two checks for signals: some 10 ms.
 constexpr std::int64_t kAxisTicksAtOnce = 262'144;
 
-/// Numbers of axes, or values: the package makes it.
+/// Numbers of axes, or values; converted by the package.
 using Integers = py::array_t<std::int64_t, py::array::c_style>;
 
-/// What a snapshot begins with. The state of the bank follows.
+/// The start of a snapshot. The state of the bank follows.
 struct SnapshotHead {
   std::array<char, 8> kind{'v', 'd', 'r', 'v', 'b', 'a', 'n', 'k'};
   std::uint64_t layout = AxisBank::snapshot_layout();
   std::uint64_t axes = 0;
   std::uint64_t period_us = 0;
-  std::uint64_t configuration = 0;  // check value
+  std::uint64_t configuration = 0;  // checksum
   std::uint64_t tick = 0;
-  std::uint64_t check = 0;  // of all before it and of the state
+  std::uint64_t check = 0;  // of everything before it and of the state
 };
 
 static_assert(std::has_unique_object_representations_v<SnapshotHead>);
@@ -65,7 +65,7 @@ void append(std::string& content, const Plain& plain) {
   content.append(bytes.data(), bytes.size());
 }
 
-/// @return what `head.check` is with this state.
+/// @return the value of `head.check` for this state.
 std::uint64_t check_of(SnapshotHead head, std::string_view state) {
   head.check = 0;
   std::string begin;
@@ -75,7 +75,7 @@ std::uint64_t check_of(SnapshotHead head, std::string_view state) {
       .cast<std::uint64_t>();
 }
 
-/// @return a number that differs when a bank is built in another way.
+/// @return a number that differs if a bank is constructed differently.
 std::uint64_t check_of(std::span<const AxisConfiguration> axes) {
   std::string content;
   for (const AxisConfiguration& axis : axes) {
@@ -93,25 +93,25 @@ std::uint64_t check_of(std::span<const AxisConfiguration> axes) {
   return check_of(py::bytes(content));
 }
 
-/// Ticks of a bank without the interpreter lock.
+/// Steps a bank without the interpreter lock.
 void step_unlocked(AxisBank& bank, std::int64_t ticks) {
   const Unlocked unlocked;
   for (std::int64_t done = 0; done < ticks && !is_late(); ++done) bank.step();
 }
 
-/// A bank, and the thread that uses it. Every member is guarded by the interpreter lock but for the
+/// A bank, and the thread that uses it. Every member is guarded by the interpreter lock, except the
 /// bank during a step.
 class PyAxisBank {
  public:
-  /// @throws std::invalid_argument as AxisBank
+  /// @throws std::invalid_argument as AxisBank does
   PyAxisBank(const std::vector<AxisConfiguration>& axes, std::chrono::microseconds period)
       : bank_(axes, period), configuration_(check_of(axes)), type_(status_image_type()) {}
 
-  /// The right to use the bank until this ends.
+  /// The right to use the bank, for the lifetime of this object.
   class Use {
    public:
-    /// @throws std::runtime_error while another thread uses the bank, py::error_already_set with
-    ///         Forked where one of the parent did so when this process was forked
+    /// @throws std::runtime_error while another thread uses the bank; py::error_already_set with
+    ///         Forked if a thread of the parent was using it when this process was forked
     explicit Use(PyAxisBank& owner) : owner_(owner) {
       if (owner.in_use_) {
         owner.in_use_->require_own("the step that is under way in this bank");
@@ -138,7 +138,7 @@ class PyAxisBank {
 
   [[nodiscard]] std::uint64_t tick() const noexcept { return tick_; }
 
-  /// @return the images where the bank has them; `self` is this object as Python has it.
+  /// @return the images in the memory of the bank; `self` is the Python object of this bank.
   [[nodiscard]] py::array status(const py::object& self) const;
 
   /// @return the tick.
@@ -146,7 +146,7 @@ class PyAxisBank {
 
   [[nodiscard]] py::bytes snapshot();
 
-  /// @throws py::value_error when it is not one of a bank that was built as this one
+  /// @throws py::value_error if it is not from a bank constructed in the same way
   void restore(const py::bytes& snapshot);
 
  private:
@@ -164,7 +164,7 @@ py::array PyAxisBank::status(const py::object& self) const {
   const std::span<const AxisStatus> images = bank_.statuses();
   py::array view(type_, std::vector<py::ssize_t>{static_cast<py::ssize_t>(images.size())},
                  images.data(), self);
-  // It cannot be made writable again: its base, this object, offers no buffer to write to.
+  // It cannot be made writable again: its base, this object, provides no writable buffer.
   view.attr("setflags")(py::arg("write") = false);
   return view;
 }
@@ -238,7 +238,8 @@ std::size_t checked_axis(const AxisBank& bank, std::int64_t axis) {
                         std::to_string(bank.size() - 1));
 }
 
-/// @param axes numbers, or nothing: all. @throws py::index_error
+/// @param axes numbers, or nothing: all.
+/// @throws py::index_error
 std::vector<std::size_t> axes_in(const AxisBank& bank, const std::optional<Integers>& axes) {
   std::vector<std::size_t> found(axes ? static_cast<std::size_t>(axes->size()) : bank.size());
   for (std::size_t place = 0; place < found.size(); ++place) {
@@ -247,7 +248,7 @@ std::vector<std::size_t> axes_in(const AxisBank& bank, const std::optional<Integ
   return found;
 }
 
-/// @return where `value` is outside of the object's limits these, else nothing.
+/// @return the limits of the object if `value` is outside them, otherwise nothing.
 std::string limits_of_object(ObjectAddress object, std::int64_t value) {
   const auto row = find_object(object);
   if (!row) return "";
@@ -321,7 +322,7 @@ void set_load_noise(PyAxisBank& self, const std::optional<Integers>& axis, doubl
 
 // ---- construction ------------------------------------------------------------------------------
 
-/// The two words that a key of the model takes, as in a configuration of the service.
+/// The two words accepted for a key of the model, as in a configuration of the service.
 template <typename Choice>
 Choice choice_of(const std::string& key, const py::handle& value,
                  const std::array<Choice, 2>& choices) {
@@ -350,7 +351,7 @@ void set_number(AxisModel& model, const std::string& key, const py::handle& valu
                             ", known are " + joined(names));
 }
 
-/// @param keys with numbers as float
+/// @param keys with their numbers as float
 AxisModel model_of(const py::dict& keys) {
   AxisModel model;
   for (const auto& [name, value] : keys) {
@@ -367,7 +368,7 @@ AxisModel model_of(const py::dict& keys) {
   return model;
 }
 
-/// @param models one for all axes, one for each, or none
+/// @param models one for all axes, one per axis, or none
 std::unique_ptr<PyAxisBank> make_bank(
     std::size_t count, std::int64_t period, const std::vector<py::dict>& models,
     const std::vector<std::pair<std::uint32_t, std::int64_t>>& parameters) {

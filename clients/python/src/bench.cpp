@@ -53,7 +53,8 @@ std::shared_ptr<wire::LocalBus> LocalBench::bus() const {
 
 void LocalBench::close() {
   if (origin_.is_inherited()) return;
-  // Without the interpreter lock: a call of another thread may have to end first, and needs it.
+  // Without the interpreter lock: a call of another thread may have to end first, and needs the
+  // lock.
   const Unlocked unlocked;
   bench_.reset();
 }

@@ -13,20 +13,21 @@
 #include <string>
 #include <vector>
 
-/// The benches of a program: vdrive.Bench has one of them.
+/// The benches of a program: vdrive.Bench holds one of them.
 namespace vdrive::python {
 
-/// A bench that ends with this object. A forked process leaves it as it is: it is its parent's.
+/// A bench that ends with this object. In a forked process it is not touched: it belongs to the
+/// parent.
 class LocalBench {
  public:
   /// @throws bench::BenchError
   explicit LocalBench(const bench::BenchOptions& options) : bench_(options) {}
 
-  /// @return where sessions meet it.
-  /// @throws py::error_already_set when it has ended, and in a forked process
+  /// @return the bus on which sessions reach it.
+  /// @throws py::error_already_set if it has ended, and in a forked process
   [[nodiscard]] std::shared_ptr<wire::LocalBus> bus() const;
 
-  /// Any number of times. Does nothing in a forked process.
+  /// Can be called repeatedly. Does nothing in a forked process.
   void close();
 
  private:
@@ -45,11 +46,11 @@ class OwnBench {
     wait_until_ready();
   }
 
-  /// @throws py::error_already_set when it has ended, and in a forked process
+  /// @throws py::error_already_set if it has ended, and in a forked process
   [[nodiscard]] std::uint32_t domain() const;
 
-  /// Waits until the service has ended. Any number of times. Does nothing in a forked process: the
-  /// bench is its parent's.
+  /// Waits until the service has ended. Can be called repeatedly. Does nothing in a forked process:
+  /// the bench belongs to the parent.
   void close();
 
  private:

@@ -7,7 +7,7 @@
 #include <string>
 #include <utility>
 
-/// Outcomes as Python's exceptions, whose classes are in vdrive/_errors.py.
+/// Converts outcomes to Python exceptions, whose classes are in vdrive/_errors.py.
 namespace vdrive::python {
 
 /// @param outcome not ok
@@ -25,7 +25,8 @@ inline void check(const client::Outcome& outcome) {
   if (!outcome) raise(outcome);
 }
 
-/// @return the value. @throws py::error_already_set where there is none
+/// @return the value.
+/// @throws py::error_already_set if there is none
 template <typename Value>
 Value value_or_raise(client::Result<Value>&& result) {
   if (!result) raise(result.outcome());

@@ -26,9 +26,9 @@ std::optional<Origin>& first_session() {
   throw py::error_already_set();
 }
 
-/// The end of a process destroys the statics of the DDS library, which wait for threads that only
-/// the parent has. Handlers run in the reverse order of their registration: this one, registered
-/// after the fork, comes before them.
+/// At exit, the destructors of the DDS library's statics would wait for threads that only the
+/// parent has. Exit handlers run in reverse order of registration: this one, registered after the
+/// fork, runs first and ends the process.
 void end_without_statics(int status, void* /*unused*/) {
   static_cast<void>(std::fflush(nullptr));
   _exit(status);

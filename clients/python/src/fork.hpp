@@ -7,23 +7,23 @@
 #include <type_traits>
 #include <utility>
 
-/// What a forked process does with what it inherits. It has the memory of its parent and none of
-/// its threads: nothing that has a thread, a socket or a lock of the DDS library may be used there,
-/// not even to end it. So the child leaves all of it as it is, for ever.
+/// Handling of objects in a forked process. The child has the memory of its parent, but none of its
+/// threads: it must not use, or even destroy, any object with a thread, a socket or a lock of the
+/// DDS library. So the child leaves all of them untouched, for ever.
 namespace vdrive::python {
 
 using process::made_here;
 
-/// The process that made an object, with the exception of Python.
+/// The process that created an object; checks raise the Python exception.
 class Origin : public process::Origin {
  public:
-  /// With the interpreter lock.
+  /// Call with the interpreter lock.
   /// @param what the object, such as "the session"
-  /// @throws py::error_already_set with vdrive.Forked when it is inherited
+  /// @throws py::error_already_set with vdrive.Forked if the object was inherited
   void require_own(const char* what) const;
 };
 
-/// Gives `value` up without its destructor, which must not run in this process.
+/// Abandons `value` without running its destructor, which must not run in this process.
 template <typename Value>
 void leave(Value&& value) noexcept {
   // On purpose, see above; a process without memory ends here.
@@ -31,11 +31,12 @@ void leave(Value&& value) noexcept {
   static_cast<void>(new std::decay_t<Value>(std::forward<Value>(value)));
 }
 
-/// Before a session is opened, with the interpreter lock: the DDS library does not survive a fork.
-/// @throws py::error_already_set with vdrive.Forked when a process before this one had a session
+/// To be called before a session is opened, with the interpreter lock: the DDS library does not
+/// survive a fork.
+/// @throws py::error_already_set with vdrive.Forked if a parent process had a session
 void require_dds();
 
-/// A process that is forked after the first session over DDS ends without destructors of statics.
+/// Makes a process forked after the first DDS session exit without the destructors of statics.
 void watch_forks();
 
 }  // namespace vdrive::python

@@ -27,12 +27,12 @@ using client::GroupStatus;
 using client::Outcome;
 using client::Session;
 using Progress = std::optional<py::function>;
-using Timeout = std::optional<std::int64_t>;  // [ns] nothing: what the call usually has
+using Timeout = std::optional<std::int64_t>;  // [ns] nothing: the default of the call
 using Vector = Eigen::VectorXd;
 
 using PyGroup = PartOfSession<AxisGroup>;
 
-/// The options of a call, with the exception that its observer in Python may raise.
+/// The options of a call, and the exception that its Python observer may raise.
 class GroupCall {
  public:
   GroupCall(const PyGroup& group, Timeout timeout, bool in_force, Progress progress)
@@ -47,8 +47,8 @@ class GroupCall {
 
   GroupCallOptions options;
 
-  /// Runs the call. @throws py::error_already_set with what the observer raised, else when it
-  /// failed
+  /// Runs the call.
+  /// @throws py::error_already_set with the exception of the observer; otherwise if the call failed
   template <typename Call>
   void run(PyGroup& group, const Call& call) {
     const Outcome outcome = waiting(group.py_session, [&](Session& /*session*/) {
@@ -86,7 +86,7 @@ PyGroup open_group(const SharedPySession& py_session, const GivenAxes& axes) {
           py_session};
 }
 
-/// @throws py::value_error unless there is a number for each axis
+/// @throws py::value_error unless there is one number per axis
 Vector vector_for(const PyGroup& group, const std::vector<double>& numbers) {
   const std::size_t axes = group.part.axes().size();
   if (numbers.size() != axes) {
@@ -125,7 +125,7 @@ void enable_all(PyGroup& self, Timeout timeout, bool in_force, Progress progress
   });
 }
 
-/// How fast a group moves: factors of velocity, acceleration and deceleration.
+/// Factors of velocity, acceleration and deceleration for a group.
 using Factors = std::array<double, 3>;
 
 GroupMoveOptions move_options(const Factors& factors, const GroupCallOptions& call) {

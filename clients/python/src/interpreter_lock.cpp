@@ -13,19 +13,19 @@ namespace {
 
 using namespace std::chrono_literals;
 
-// For calls that no session ends, such as the start of a bench.
+// For calls that no session can end, such as the start of a bench.
 constexpr auto kPatienceAtExit = 1s;
 constexpr auto kLook = 1ms;
 
 struct Calls {
-  std::atomic<bool> end = false;       ///< no call goes back to Python
-  std::atomic<bool> is_over = false;   ///< nor does a call in the callback of another one
-  std::atomic<std::thread::id> ender;  ///< the thread in which the interpreter ends
-  std::atomic<int> under_way = 0;      ///< without the interpreter lock
+  std::atomic<bool> end = false;       ///< no call returns to Python
+  std::atomic<bool> is_over = false;   ///< nor does a call within a callback of another one
+  std::atomic<std::thread::id> ender;  ///< the thread in which the interpreter is finalised
+  std::atomic<int> under_way = 0;      ///< calls in progress without the interpreter lock
   std::atomic<int> asking_for_lock = 0;
 };
 
-// Threads rest in their calls until the process ends, after the destructors of statics.
+// Threads stay blocked in their calls until the process ends, after the destructors of statics.
 static_assert(std::is_trivially_destructible_v<Calls>);
 
 Calls& calls() {
@@ -33,7 +33,7 @@ Calls& calls() {
   return only;
 }
 
-/// Calls of this thread, one in the callback of the other.
+/// The number of nested calls of this thread, each in a callback of the previous one.
 int& own_calls() {
   thread_local int count = 0;
   return count;
@@ -47,8 +47,8 @@ bool is_ender() {
   return calls().ender.load() == std::this_thread::get_id();
 }
 
-/// @return whether `lock` was called. The end of the interpreter waits for it, or it does not
-/// begin.
+/// @return whether `lock` was called. The finalisation of the interpreter either waits for it or
+///         prevents it.
 template <typename Lock>
 bool ask_for_lock(const Lock& lock) {
   ++calls().asking_for_lock;
@@ -58,7 +58,7 @@ bool ask_for_lock(const Lock& lock) {
   return may_ask;
 }
 
-/// @return what gives the lock back.
+/// @return the state needed to reacquire the lock.
 PyThreadState* begin_call() {
   stop_late_thread();
   ++calls().under_way;
@@ -73,7 +73,7 @@ bool is_late() noexcept {
 }
 
 void stop_late_thread() {
-  // A call in a callback fails, so that the outer one ends and gives up what it holds.
+  // A call within a callback fails, so that the outer one ends and releases what it holds.
   if (!is_late() || own_calls() > 0) return;
   PyEval_SaveThread();
   rest();
@@ -89,11 +89,11 @@ Unlocked::~Unlocked() {
     PyEval_RestoreThread(state_);
   });
   if (!is_back) rest();
-  stop_late_thread();  // the end began meanwhile
+  stop_late_thread();  // finalisation has started in the meantime
 }
 
 Locked::Locked() {
-  if (is_late()) return;  // a callback does not begin any more
+  if (is_late()) return;  // do not start a callback any more
   ask_for_lock([this] {
     lock_.emplace();
   });

@@ -5,17 +5,18 @@
 
 #include <optional>
 
-/// The interpreter lock, also while the interpreter ends. From that moment on CPython ends each
-/// thread that asks for its lock, inside of the call that asks: it unwinds the stack of C++, which
-/// ends the process. Only daemon threads are left then. So from end_calls() on they never ask
-/// again: their call ends, and they rest until the process ends. A callback that Python runs in
-/// such a call, and that does not return within some seconds, is left to CPython.
+/// The interpreter lock, usable also while the interpreter is being finalised. From then on,
+/// CPython ends every thread that asks for its lock, inside that call: it unwinds the C++ stack,
+/// which terminates the process. Only daemon threads are left at that time. So after end_calls()
+/// they never ask for the lock again: their call ends, and they block until the process ends.
+/// Exception: a Python callback within such a call that does not return within some seconds is left
+/// to CPython.
 namespace vdrive::python {
 
-/// Gives the interpreter lock up while it lives.
+/// Releases the interpreter lock for its lifetime.
 class Unlocked {
  public:
-  /// With the lock.
+  /// Call with the lock.
   Unlocked();
   ~Unlocked();
   Unlocked(const Unlocked&) = delete;
@@ -25,28 +26,29 @@ class Unlocked {
   PyThreadState* state_;
 };
 
-/// Takes the interpreter lock while it lives, in a thread that gave it up.
+/// Acquires the interpreter lock for its lifetime, on a thread that had released it.
 class Locked {
  public:
   Locked();
 
-  /// @return false when the interpreter ends: this thread has no lock, and must not run Python.
+  /// @return false while the interpreter is being finalised: this thread has no lock and must not
+  ///         run Python.
   explicit operator bool() const noexcept { return lock_.has_value(); }
 
  private:
   std::optional<py::gil_scoped_acquire> lock_;
 };
 
-/// @return whether the interpreter ends, and this thread with it. Any thread.
+/// @return whether the interpreter, and with it this thread, is ending. Any thread.
 [[nodiscard]] bool is_late() noexcept;
 
-/// Never returns in a thread that is_late() and in no other call. With the lock.
+/// Never returns on a thread that is_late() and is not within another call. Call with the lock.
 void stop_late_thread();
 
-/// What Python does at its exit: ends every session, and the calls of the threads that are left.
+/// Called by Python at exit: ends every session, and the calls of the remaining threads.
 void end_calls();
 
-/// Forgets the calls of the threads of the parent. In a forked process, with the lock.
+/// Forgets the calls of the parent's threads. For a forked process, with the lock.
 void forget_calls_of_parent() noexcept;
 
 }  // namespace vdrive::python

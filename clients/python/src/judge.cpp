@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The judge of masters, by the journal of a bench.
+// The judge of masters, applied to the journal of a bench.
 #include "interpreter_lock.hpp"
 #include "judge/bench_records.hpp"
 #include "judge/exceptions.hpp"
@@ -18,7 +18,7 @@
 namespace vdrive::python {
 namespace {
 
-/// What came of a journal, without the interpreter lock.
+/// The result for a journal, obtained without the interpreter lock.
 struct Judged {
   judge::JournalVerdict verdict;
   std::string problem;
@@ -35,7 +35,7 @@ Judged judged(const std::string& path) {
   }
 }
 
-/// @return a record of a finding, as vdrive/_judge.py has it.
+/// @return a finding as a record in the form of vdrive/_judge.py.
 py::tuple record_of(const judge::Finding& finding, const judge::AxisName& name_of) {
   const judge::RuleRow& row = judge::row_of(finding.rule);
   return py::make_tuple(row.name, judge::to_string(row.severity), name_of(finding.axis),
@@ -44,7 +44,7 @@ py::tuple record_of(const judge::Finding& finding, const judge::AxisName& name_o
 }
 
 /// @param off rules that the master breaks on purpose, each with its reason
-/// @return the findings, the rules of `off` that were not broken, and a report for people.
+/// @return the findings, the rules of `off` that were not broken, and a readable report.
 py::tuple judge_journal(const std::string& path,
                         const std::vector<std::pair<std::string, std::string>>& off) {
   std::vector<judge::Exception> exceptions;

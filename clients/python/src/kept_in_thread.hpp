@@ -11,15 +11,16 @@
 
 namespace vdrive::python {
 
-/// An object that a thread of its own makes, keeps and destroys, for what has a child process. The
-/// system ends such a process when the thread that started it ends: this thread does nothing else,
-/// so that the object may be used by any thread, and the process ends when this one is killed.
+/// An object created, kept and destroyed by a dedicated thread; for objects with a child process.
+/// The system ends such a process when the thread that started it ends. This thread does nothing
+/// else, so the object can be used from any thread, and its process ends when this one is killed.
 template <typename Kept>
 class KeptInThread {
  public:
   using Make = std::function<std::unique_ptr<Kept>()>;
 
-  /// Waits until it is made. @throws what `make` throws
+  /// Waits until the object has been created.
+  /// @throws as `make` does
   explicit KeptInThread(Make make) {
     std::promise<Kept*> made;
     std::future<Kept*> answer = made.get_future();
@@ -31,10 +32,10 @@ class KeptInThread {
     kept_ = answer.get();
   }
 
-  /// Nothing after end().
+  /// The object; null after end().
   [[nodiscard]] Kept* get() const noexcept { return kept_; }
 
-  /// Destroys the object, and waits for that. Any number of times.
+  /// Destroys the object and waits for that. Can be called repeatedly.
   void end() {
     thread_.request_stop();
     if (thread_.joinable()) thread_.join();

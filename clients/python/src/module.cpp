@@ -21,6 +21,6 @@ PYBIND11_MODULE(_vdrive, module) {
   vdrive::python::add_judge(module);
   module.def("default_domain", &vdrive::client::default_domain);
   vdrive::python::watch_forks();
-  // Python's last act before it takes itself apart: axes are given back, threads have ended.
+  // At the start of Python's shutdown: releases axes and ends threads.
   py::module_::import("atexit").attr("register")(py::cpp_function(&vdrive::python::end_calls));
 }

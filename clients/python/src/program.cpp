@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A program of this process, such as a bridge with benches of its own.
+// A program started by this process, such as a bridge with its own benches.
 #include "arguments.hpp"
 #include "child_process.hpp"
 #include "errors.hpp"
@@ -18,29 +18,29 @@
 namespace vdrive::python {
 namespace {
 
-/// A program that ends with this object and with this process. Its output is kept in memory. A
-/// forked process leaves it as it is: it is its parent's.
+/// A program that ends with this object and with this process. Its output is kept in memory. In a
+/// forked process it is not touched: it belongs to the parent.
 class OwnProgram {
  public:
-  /// @param command, environment as ChildProcess takes them
+  /// @param command, environment as for ChildProcess
   OwnProgram(const std::vector<std::string>& command, const std::vector<std::string>& environment)
       : program_([command, environment] {
           return std::make_unique<process::ChildProcess>(command, environment);
         }) {}
 
-  /// What it has written on standard output, and on standard error.
+  /// Its text so far on standard output, and on standard error.
   [[nodiscard]] py::bytes output() const { return {get().output()}; }
 
   [[nodiscard]] py::bytes errors() const { return {get().errors()}; }
 
-  /// @return its exit code, or -signal; nothing while it still runs after `patience`.
+  /// @return its exit code, or -signal; nothing if it is still running after `patience`.
   [[nodiscard]] std::optional<int> wait(std::int64_t patience) const {
     process::ChildProcess& program = get();
     const Unlocked unlocked;
     return program.wait(milliseconds_of(patience));
   }
 
-  /// SIGTERM, and SIGKILL when it has not ended after `patience`. Any number of times.
+  /// Sends SIGTERM, and SIGKILL if it has not ended after `patience`. Can be called repeatedly.
   void stop(std::int64_t patience) const {
     process::ChildProcess& program = get();
     const Unlocked unlocked;

@@ -7,16 +7,17 @@
 namespace vdrive::python {
 namespace {
 
-// For a callback that returns late; one that waits for close() never does.
+// For a callback that returns late; a callback that waits for close() never returns.
 constexpr std::chrono::seconds kPatienceOfClose{5};
 
-/// Every session that Python has. Guarded by the interpreter lock, which whoever forks holds.
+/// All sessions of Python. Guarded by the interpreter lock, which is also held during a fork.
 std::vector<std::weak_ptr<PySession>>& registry() {
   static std::vector<std::weak_ptr<PySession>> sessions;
   return sessions;
 }
 
-/// Without the mutex of the session: to make an exception runs Python, and lets other threads run.
+/// Call without the mutex of the session: creating an exception runs Python and lets other threads
+/// run.
 [[noreturn]] void raise_closed() {
   raise(client::Outcome::failed("the session is closed"));
 }
@@ -60,7 +61,7 @@ PySession::Use::~Use() {
   const bool is_last = owner_->callers_.size() == 1 && !owner_->session_;
   if (is_last) bench.swap(owner_->bench_);
   lock.unlock();
-  // What gives the axes back is no call that waits for motion.
+  // Releasing the axes is not a call that waits for motion.
   if (is_last) session_->end_interrupt();
   session_.reset();
   lock.lock();
@@ -131,7 +132,7 @@ void PySession::close() noexcept {
       return caller == std::this_thread::get_id();
     });
   });
-  // What gives the axes back is no call that waits for motion.
+  // Releasing the axes is not a call that waits for motion.
   if (callers_.empty()) {
     session->end_interrupt();
     bench.swap(bench_);
@@ -145,7 +146,7 @@ void close_all_sessions() {
     if (auto py_session = weak.lock()) sessions.push_back(std::move(py_session));
   }
   const Unlocked unlocked;
-  // First all: a call of one may be in a callback of a call of another one.
+  // Interrupt all first: a call of one may be in a callback of a call of another one.
   for (const SharedPySession& py_session : sessions) py_session->interrupt();
   for (const SharedPySession& py_session : sessions) py_session->close();
 }

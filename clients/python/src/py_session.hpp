@@ -19,7 +19,7 @@
 
 namespace vdrive::python {
 
-/// Something that must not outlive its session.
+/// An object that must not outlive its session.
 class Dependent {
  public:
   Dependent() = default;
@@ -27,17 +27,17 @@ class Dependent {
   Dependent(const Dependent&) = delete;
   Dependent& operator=(const Dependent&) = delete;
 
-  /// Ends what uses the session; waits for calls of other threads that use it. Any thread. Does
+  /// Ends the use of the session; waits for calls of other threads that use it. Any thread. Does
   /// nothing in a forked process.
   virtual void close() noexcept = 0;
 
   const Origin origin{};
 };
 
-/// A session as Python has it: every handle keeps it, close() ends it before they go.
+/// A session as owned by Python: every handle keeps a reference, and close() ends it earlier.
 class PySession {
  public:
-  /// @param bench kept until the session has ended; none where it is not of this program
+  /// @param bench kept until the session has ended; null if it is not a bench of this program
   /// @throws std::runtime_error as client::Session does
   PySession(const client::SessionOptions& options, std::shared_ptr<void> bench)
       : bench_(std::move(bench)), session_(std::make_shared<client::Session>(options)) {}
@@ -47,10 +47,11 @@ class PySession {
   PySession(const PySession&) = delete;
   PySession& operator=(const PySession&) = delete;
 
-  /// A call that uses the session, which ends no earlier. Ends in the thread that began it.
+  /// A call that uses the session, and keeps it from ending. Ends on the thread that started it.
   class Use {
    public:
-    /// With the interpreter lock. @throws py::error_already_set as session()
+    /// Call with the interpreter lock.
+    /// @throws py::error_already_set as session()
     explicit Use(PySession& owner);
     ~Use();
     Use(Use&&) = default;
@@ -62,33 +63,33 @@ class PySession {
 
    private:
     PySession* owner_;
-    std::shared_ptr<client::Session> session_;  ///< nothing in one that was moved from
+    std::shared_ptr<client::Session> session_;  ///< null if moved from
   };
 
-  /// With the interpreter lock.
-  /// @return the session, which ends no earlier than what is returned.
-  /// @throws py::error_already_set when it was closed, and in a forked process
+  /// Call with the interpreter lock.
+  /// @return the session, kept alive by the returned pointer.
+  /// @throws py::error_already_set if it was closed, and in a forked process
   [[nodiscard]] std::shared_ptr<client::Session> session() const;
 
-  /// @return true also in a forked process.
+  /// @return whether it was closed; true also in a forked process.
   [[nodiscard]] bool is_closed() const;
 
   /// @return whether this process was forked from the one that opened the session.
   [[nodiscard]] bool is_inherited() const noexcept { return origin_.is_inherited(); }
 
-  /// Closes `dependent` before the session, at once when that is closed.
+  /// Closes `dependent` before the session; immediately if the session is already closed.
   void adopt(const std::shared_ptr<Dependent>& dependent);
 
-  /// As those of the session, while it is not closed. Any thread.
+  /// As those of the session; no effect after close(). Any thread.
   void interrupt() noexcept;
   void end_interrupt() noexcept;
 
-  /// Ends the calls of all threads, waits for those of others, and ends the session. A call that
-  /// does not end, because a callback does not return, ends the session when it ends. Without the
-  /// interpreter lock. Any thread. Does nothing in a forked process.
+  /// Ends the calls of all threads, waits for those of other threads, and ends the session. A call
+  /// that does not end, because its callback does not return, ends the session later. Call without
+  /// the interpreter lock. Any thread. Does nothing in a forked process.
   void close() noexcept;
 
-  /// The bench of calls that name none. Guarded by the interpreter lock.
+  /// The bench for calls that name none. Guarded by the interpreter lock.
   std::optional<std::uint32_t> only_bench;
 
   /// The queues to which the session reports events and services. Guarded by the interpreter lock.
@@ -97,33 +98,34 @@ class PySession {
 
  private:
   const Origin origin_;
-  mutable std::mutex mutex_;  ///< whoever holds it never asks for the interpreter lock
+  mutable std::mutex mutex_;  ///< must not ask for the interpreter lock while holding it
   std::shared_ptr<void> bench_;
   std::shared_ptr<client::Session> session_;
   std::vector<std::thread::id> callers_;  ///< the thread of each Use
-  std::condition_variable has_ended_;     ///< a Use
+  std::condition_variable has_ended_;     ///< notified when a Use has ended
   std::vector<std::weak_ptr<Dependent>> dependents_;
 };
 
 using SharedPySession = std::shared_ptr<PySession>;
 
-/// Without the interpreter lock, which it takes at its end. @throws what PySession throws
+/// Call without the interpreter lock, which it acquires at the end.
+/// @throws as PySession does
 [[nodiscard]] SharedPySession open_py_session(const client::SessionOptions& options,
                                               std::shared_ptr<void> bench);
 
-/// Runs Python's handlers of the signals that have come.
-/// @throws py::error_already_set with what they raise, such as KeyboardInterrupt
+/// Runs Python's handlers for the signals that have arrived.
+/// @throws py::error_already_set with their exception, such as KeyboardInterrupt
 inline void handle_signals() {
   if (PyErr_CheckSignals() != 0) throw py::error_already_set();
 }
 
-/// Calls `call` without the interpreter lock. A signal that arrives meanwhile calls `end_wait`, and
-/// `wait_again` after the call.
-/// @throws py::error_already_set with what a handler of a signal raises
+/// Calls `call` without the interpreter lock. A signal that arrives in the meantime calls
+/// `end_wait`, and `wait_again` after the call.
+/// @throws py::error_already_set with the exception of a signal handler
 template <typename Call>
 auto interruptible(SignalWatch::Call end_wait, SignalWatch::Call wait_again, const Call& call) {
   SignalWatch watch(std::move(end_wait), std::move(wait_again));
-  handle_signals();  // one that came just before the watch began
+  handle_signals();  // one that came just before the watch started
   auto result = [&call] {
     const Unlocked unlocked;
     return call();
@@ -134,8 +136,8 @@ auto interruptible(SignalWatch::Call end_wait, SignalWatch::Call wait_again, con
 }
 
 /// Calls `call(session)` without the interpreter lock; Ctrl-C interrupts the session.
-/// @throws py::error_already_set when the session was closed, and with what a handler of a signal
-///         raises
+/// @throws py::error_already_set if the session was closed, or with the exception of a signal
+///         handler
 template <typename Call>
 auto waiting(const SharedPySession& py_session, const Call& call) {
   PySession::Use begun(*py_session);
@@ -148,28 +150,29 @@ auto waiting(const SharedPySession& py_session, const Call& call) {
         interrupted->end_interrupt();
       },
       [&] {
-        // Ends before the thread asks for the interpreter lock, which may be late: see Unlocked.
+        // Must end before the thread asks for the interpreter lock, which may come late: see
+        // Unlocked.
         const PySession::Use use(std::move(begun));
         return call(use.session());
       });
 }
 
-/// The same, without a watch for signals where `ends_by_itself(session)`: no interrupt would end
+/// As waiting(), but without a signal watch if `ends_by_itself(session)`: no interrupt would end
 /// the call, and the system calls of the watch take as long as a step.
-/// @param ends_by_itself asked with the interpreter lock, must not wait
+/// @param ends_by_itself called with the interpreter lock, must not wait
 template <typename Ask, typename Call>
 auto waiting_unless(const Ask& ends_by_itself, const SharedPySession& py_session,
                     const Call& call) {
   if (!ends_by_itself(*py_session->session())) return waiting(py_session, call);
-  handle_signals();  // a loop that is not Python's own, such as deque(follower), asks nowhere else
+  handle_signals();  // a C loop such as deque(follower) checks nowhere else
   PySession::Use begun(*py_session);
   const Unlocked unlocked;
-  const PySession::Use use(std::move(begun));  // ends first, as in waiting()
+  const PySession::Use use(std::move(begun));  // must end first, as in waiting()
   return call(use.session());
 }
 
-/// A part of a session, such as an axis, and what keeps the session. A forked process leaves it as
-/// it is.
+/// A part of a session, such as an axis, together with a reference to the session. In a forked
+/// process it is not touched.
 template <typename Part>
 struct PartOfSession {
   PartOfSession(Part made, SharedPySession keeper)
@@ -188,8 +191,8 @@ struct PartOfSession {
   SharedPySession py_session;
 };
 
-/// Runs `call(part)`, which ends with an outcome, as waiting() does.
-/// @throws py::error_already_set as waiting(), and unless the outcome is ok
+/// Runs `call(part)`, which returns an outcome, as waiting() does.
+/// @throws py::error_already_set as waiting(), and if the outcome is not ok
 template <typename Part, typename Call>
 void run(PartOfSession<Part>& self, const Call& call) {
   check(waiting(self.py_session, [&](client::Session& /*session*/) {
@@ -197,7 +200,8 @@ void run(PartOfSession<Part>& self, const Call& call) {
   }));
 }
 
-/// The same for a call that gives a value. @return the value.
+/// As run(), for a call that returns a value.
+/// @return the value.
 template <typename Part, typename Call>
 auto get(PartOfSession<Part>& self, const Call& call) {
   return value_or_raise(waiting(self.py_session, [&](client::Session& /*session*/) {
@@ -205,19 +209,21 @@ auto get(PartOfSession<Part>& self, const Call& call) {
   }));
 }
 
-/// @return whether Python takes the value as true.
-/// @throws py::error_already_set with what the value raises
+/// @return whether Python considers the value true.
+/// @throws py::error_already_set with the exception of the value
 inline bool is_true(const py::object& value) {
   const int truth = PyObject_IsTrue(value.ptr());
   if (truth < 0) throw py::error_already_set();
   return truth != 0;
 }
 
-/// An exception that Python raised in a callback: kept while C++ ends the call, raised after it.
+/// An exception raised by Python in a callback: kept while C++ ends the call, raised again
+/// afterwards.
 class KeptException {
  public:
-  /// Calls `call` with the interpreter lock. @return what it returns, or `otherwise` when it, or a
-  /// call before, raised an exception, and while the interpreter ends.
+  /// Calls `call` with the interpreter lock.
+  /// @return its result; `otherwise` if it or an earlier call raised an exception, and while the
+  ///         interpreter is being finalised.
   template <typename Value, typename Call>
   Value run(Value otherwise, const Call& call) {
     const Locked locked;
@@ -230,7 +236,7 @@ class KeptException {
     return otherwise;
   }
 
-  /// @throws py::error_already_set when there was one
+  /// @throws py::error_already_set if there was one
   void raise_again() {
     if (exception_) throw py::error_already_set(std::move(*exception_));
   }
@@ -239,7 +245,7 @@ class KeptException {
   std::unique_ptr<py::error_already_set> exception_;
 };
 
-/// Ends every open session. With the interpreter lock.
+/// Ends every open session. Call with the interpreter lock.
 void close_all_sessions();
 
 }  // namespace vdrive::python

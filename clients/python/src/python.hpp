@@ -4,20 +4,22 @@
 #include <pybind11/pybind11.h>
 #include <pybind11/stl.h>
 
-/// What every file of the module has in common. The module is private: the classes of the package
-/// (vdrive/*.py) have the signatures and texts, check what a program gives, and call it with plain
-/// values by position. Times are whole nanoseconds, objects of the dictionary are numbers: see
+/// Shared by all files of the module. The module is private: the classes of the package
+/// (vdrive/*.py) provide signatures and docstrings, check arguments, and call the module with plain
+/// values by position. Times are integer nanoseconds, objects of the dictionary are numbers: see
 /// arguments.hpp.
 namespace vdrive::python {
 
 namespace py = pybind11;
 
-/// Imports numpy, unless it is imported. Each call whose result may give arrays begins with it. The
-/// module does not import numpy: that takes most of the time of `import vdrive`.
-/// pybind11 would import numpy at the first array, under the guard of a static variable. Then two
-/// threads can stop each other: one waits for the guard and holds the interpreter's lock, the other
-/// holds the guard and waits for that lock.
-/// @throws py::error_already_set also with what a signal handler raised
+/// Imports numpy unless it is imported already. To be called first in every call whose result may
+/// contain arrays. The module itself does not import numpy, which takes most of the time of `import
+/// vdrive`.
+///
+/// Without this, pybind11 would import numpy at the first array, under the guard of a static
+/// variable. Two threads could then deadlock: one waits for the guard and holds the interpreter
+/// lock, the other holds the guard and waits for that lock.
+/// @throws py::error_already_set, also with the exception of a signal handler
 inline void load_numpy() {
   py::module_::import("numpy.core.multiarray");
 }

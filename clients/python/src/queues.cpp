@@ -24,14 +24,14 @@ using client::Outcome;
 using client::OutcomeKind;
 using client::Session;
 
-// In which a thread sees that it is to end.
+// Interval in which a thread checks whether it must end.
 constexpr std::chrono::milliseconds kSlice{100};
 constexpr std::chrono::milliseconds kPause{10};
 
-// More than any program runs.
+// Longer than any program runs.
 constexpr std::chrono::seconds kWithoutTimeout{1'000'000'000};
 
-/// Waits for kPause; ends at once with the thread, as when its session is closed.
+/// Waits for kPause; ends early with the thread, for example when its session is closed.
 void rest(const std::stop_token& stop) {
   std::mutex mutex;
   std::condition_variable_any never;
@@ -41,9 +41,9 @@ void rest(const std::stop_token& stop) {
   });
 }
 
-using Timeout = std::optional<std::int64_t>;  // [ns] nothing: for ever
+using Timeout = std::optional<std::int64_t>;  // [ns] nothing: unlimited
 
-/// What Python calls on a queue of either kind.
+/// Called by Python on a queue of either kind.
 template <typename Source, typename Item>
 std::deque<Item> take(Source& source, std::size_t most, Timeout timeout) {
   const std::chrono::nanoseconds patience =
@@ -82,7 +82,7 @@ void check_open(Source& source) {
   if (is_closed(source)) raise(Outcome::failed("the stream is closed"));
 }
 
-/// @return the next item; nothing when none has come within `timeout`, or it is closed.
+/// @return the next item; nothing if none arrived within `timeout`, or if it is closed.
 template <typename Source, typename Item>
 std::optional<py::object> take_one(Source& source, Timeout timeout) {
   std::deque<Item> items = take<Source, Item>(source, 1, timeout);

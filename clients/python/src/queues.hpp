@@ -25,8 +25,8 @@
 
 namespace vdrive::python {
 
-/// What a thread of C++ hands over to Python: bounded, the oldest goes first when it is full. A
-/// program with a loop of its own waits for its file. No thread of C++ ever runs Python.
+/// Passes items from a C++ thread to Python: bounded; when it is full, the oldest is dropped. A
+/// program with its own loop waits for the file descriptor. No C++ thread ever runs Python.
 template <typename Item>
 class Queue {
  public:
@@ -44,7 +44,8 @@ class Queue {
     notify();
   }
 
-  /// The source has ended. @param why its outcome, failed after an error
+  /// Ends the queue with its source.
+  /// @param why its outcome, failed after an error
   void end(client::Outcome why) {
     const std::scoped_lock lock(mutex_);
     if (has_ended_) return;
@@ -66,7 +67,7 @@ class Queue {
   }
 
   /// Waits until there is an item, at most for `patience`.
-  /// @return at most `most` of the oldest; none also when the source has ended.
+  /// @return up to `most` of the oldest; empty also if the source has ended.
   std::deque<Item> take(std::size_t most, std::chrono::nanoseconds patience) {
     std::unique_lock lock(mutex_);
     changed_.wait_for(lock, patience, [this] {
@@ -80,12 +81,12 @@ class Queue {
         if (auto item = items_.take()) taken.push_back(std::move(*item));
       }
     }
-    // The file stays readable at the end: a thread that waits for it is to receive the end.
+    // The file stays readable at the end, so that every thread waiting for it is woken by the end.
     if (items_.empty() && !has_ended_) forget();
     return taken;
   }
 
-  /// @return the outcome of the source when all has been taken, else nothing.
+  /// @return the outcome of the source once everything has been taken, otherwise nothing.
   [[nodiscard]] std::optional<client::Outcome> ended() const {
     const std::scoped_lock lock(mutex_);
     if (!has_ended_ || !items_.empty()) return std::nullopt;
@@ -97,7 +98,7 @@ class Queue {
     return items_.dropped();
   }
 
-  /// Readable while there are items and after the end.
+  /// A file descriptor that is readable while there are items, and after the end.
   [[nodiscard]] int file() const noexcept { return file_; }
 
  private:
@@ -123,7 +124,7 @@ class Queue {
   client::Outcome outcome_;
 };
 
-/// Follows the status stream of axes in a thread of its own.
+/// Follows the status stream of axes on a separate thread.
 class StatusQueue final : public Dependent {
  public:
   StatusQueue(std::shared_ptr<client::Session> session, client::Follower follower,
@@ -153,10 +154,10 @@ class StatusQueue final : public Dependent {
   std::jthread thread_;
 };
 
-/// The newest state of axes of one bench, at a rate of its own.
+/// The newest state of axes of one bench, at a fixed rate.
 class ReportQueue final : public Dependent {
  public:
-  /// @throws py::error_already_set when an axis is not there
+  /// @throws py::error_already_set if an axis is not there
   ReportQueue(const SharedPySession& py_session, const std::vector<client::AxisId>& axes,
               std::chrono::milliseconds period);
   ~ReportQueue() override;
@@ -178,12 +179,12 @@ class ReportQueue final : public Dependent {
   std::optional<client::StatusReports> reports_;
 };
 
-/// What a session reports to one observer of each kind: a later queue takes the place of an earlier
+/// The reports of a session to its single observer of a kind: a new queue replaces the previous
 /// one, which ends.
 template <typename Item>
 class ReportedQueue final : public Dependent {
  public:
-  /// Lets the session report to `queue`, or to nobody.
+  /// Makes the session report to `queue`, or to nobody.
   using Observe = std::function<void(client::Session& session, std::shared_ptr<Queue<Item>> queue)>;
 
   ReportedQueue(std::shared_ptr<client::Session> session, std::size_t capacity, Observe observe)
@@ -205,7 +206,7 @@ class ReportedQueue final : public Dependent {
     end();
   }
 
-  /// Ends the queue and leaves the session alone: another queue takes the place.
+  /// Ends the queue without touching the session: another queue replaces it.
   void leave_place() noexcept {
     if (origin.is_inherited()) return;
     const std::scoped_lock lock(mutex_);
@@ -231,29 +232,30 @@ class ReportedQueue final : public Dependent {
 };
 
 using EventQueue = ReportedQueue<client::Event>;            ///< events of benches
-using ServiceQueue = ReportedQueue<client::ServiceChange>;  ///< services that come and go
+using ServiceQueue = ReportedQueue<client::ServiceChange>;  ///< services that appear and disappear
 
-/// Sees axes tick by tick in the thread of the caller.
+/// Follows axes tick by tick on the thread of the caller.
 class StepFollower final : public Dependent {
  public:
   explicit StepFollower(client::Follower follower);
 
   void close() noexcept override;
 
-  /// As client::Follower. @return failed after close()
+  /// As client::Follower.
+  /// @return failed after close()
   client::Outcome next(std::chrono::milliseconds patience, client::Observation& sample);
 
-  /// As client::Follower. @return also true after close(), false while a call of another thread
-  ///         waits
+  /// As client::Follower.
+  /// @return also true after close(), false while a call of another thread waits
   [[nodiscard]] bool has_next();
 
-  /// As client::Follower. @return also of one that is closed
+  /// As client::Follower; works after close() too.
   client::Lateness lateness();
 
  private:
   std::mutex mutex_;
   std::optional<client::Follower> follower_;
-  client::Lateness last_lateness_;  ///< of a follower that is closed
+  client::Lateness last_lateness_;  ///< of a closed follower
 };
 
 }  // namespace vdrive::python

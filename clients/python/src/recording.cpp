@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Recordings of the tool as arrays of numpy.
+// Recordings of the tool as numpy arrays.
 #include "recording.hpp"
 
 #include "convert.hpp"
@@ -29,7 +29,8 @@ struct Loaded {
   std::map<std::uint32_t, std::deque<Observation>> samples;  ///< by bench
 };
 
-/// Without the interpreter lock. @throws recording::RecordingError
+/// Called without the interpreter lock.
+/// @throws recording::RecordingError
 Loaded load(const std::string& path) {
   Loaded loaded;
   loaded.contents = recording::read_recording(path, [&loaded](const Observation& sample) {
@@ -43,7 +44,7 @@ bool have_same_axes(const Observation& one, const Observation& other) {
                             &client::AxisSnapshot::id);
 }
 
-/// @return the period of the bench [s]; None of a format that does not have it.
+/// @return the period of the bench [s]; None if the format does not contain it.
 py::object tick_period_of(const std::string& path, std::uint32_t number,
                           const recording::Contents& contents) {
   if (recording::format_of(path) != recording::Format::mcap) return py::none();
@@ -93,14 +94,14 @@ py::tuple read_recording(const std::string& path) {
   return py::make_tuple(loaded.contents.cut, benches);
 }
 
-/// A recording of one bench, as the program has it.
+/// A recording of one bench, in the program's form.
 struct Saved {
   recording::RecordedBench bench;
-  client::Observation sample;  ///< its axes have their addresses
+  client::Observation sample;  ///< its axes have their addresses set
   bool has_period = false;
 };
 
-/// @throws py::value_error for axes that are none, or of several benches
+/// @throws py::value_error if an axis address is invalid, or the axes are of several benches
 Saved saved_of(const std::vector<std::string>& axes, const std::vector<std::string>& names,
                std::optional<std::int64_t> period) {
   Saved saved;
@@ -126,7 +127,8 @@ Saved saved_of(const std::vector<std::string>& axes, const std::vector<std::stri
   return saved;
 }
 
-/// What no reader of a recording would take is not written. @throws recording::RecordingError
+/// Refuses samples that no reader would accept.
+/// @throws recording::RecordingError
 void check_samples(const FrameView& frames, Saved& saved) {
   recording::SampleOrder order;
   for (std::size_t row = 0; row < frames.size(); ++row) {
@@ -157,7 +159,8 @@ void write_samples(const std::string& path, const FrameView& frames, Saved& save
   writer->finish(summary);
 }
 
-/// @return what `call` threw, empty when it threw nothing. Without the interpreter lock.
+/// @return the message of the exception of `call`, empty if there was none. Runs without the
+///         interpreter lock.
 template <typename Call>
 std::string problem_of(const Call& call) {
   const Unlocked unlocked;

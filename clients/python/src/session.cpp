@@ -64,8 +64,8 @@ SharedPySession open_session(std::optional<std::uint32_t> domain, Texts interfac
   }
 }
 
-/// @return the bench of that number, or the only one: to find that it is the only one takes 150
-///         ms, so it is done once.
+/// @return the bench with that number, or the only one: finding out that it is the only one takes
+///         150 ms, so it is done once.
 std::uint32_t bench_number(const SharedPySession& self, Bench bench) {
   if (bench) return *bench;
   if (!self->only_bench) {
@@ -76,7 +76,7 @@ std::uint32_t bench_number(const SharedPySession& self, Bench bench) {
   return *self->only_bench;
 }
 
-/// A call that gives something of a bench, such as the tick reached.
+/// Runs a call that returns a value of a bench, such as the tick reached.
 template <auto call, typename... Values>
 auto of_bench(const SharedPySession& self, Bench bench, Values... values) {
   const std::uint32_t number = bench_number(self, bench);
@@ -91,14 +91,15 @@ struct PyFollower {
   std::chrono::milliseconds patience;
   std::optional<std::uint64_t> left;
   std::vector<client::AxisId> ids;
-  py::array kept{};       ///< what a take() had received when it raised
-  std::size_t given = 0;  ///< of these, so many samples were given since
+  py::array kept{};       ///< received by a take() that then raised
+  std::size_t given = 0;  ///< samples of `kept` already returned
 
-  /// Samples of those that are left for one call; another thread may call meanwhile. Guarded by the
-  /// interpreter lock. What was not received is left again at its end.
+  /// The share of the remaining samples for one call; another thread may call at the same time.
+  /// Guarded by the interpreter lock. At its end, samples not received are returned to the
+  /// remaining ones.
   class Share {
    public:
-    /// @param size at most as many as are left
+    /// @param size at most the remaining number
     Share(PyFollower& follower, std::uint64_t size) : follower_(follower), size_(size) {
       if (follower_.left) *follower_.left -= size_;
     }
@@ -145,7 +146,7 @@ struct PyFollower {
     return kept.ndim() == 2 ? static_cast<std::size_t>(kept.shape(0)) - given : 0;
   }
 
-  /// @return the oldest of those that are kept, where they lie.
+  /// @return the oldest of the kept samples, without copying.
   py::array take_kept(std::size_t most) {
     const std::size_t end = given + std::min(most, count_kept());
     const py::slice rows(static_cast<py::ssize_t>(given), static_cast<py::ssize_t>(end), 1);
@@ -155,7 +156,7 @@ struct PyFollower {
     return taken;
   }
 
-  /// The interpreter is not asked between the samples: a signal ends the wait for one of them.
+  /// Does not return to the interpreter between samples: a signal ends the wait for one of them.
   py::array take(std::uint64_t most) {
     if (count_kept() > 0) return take_kept(most);
     const std::uint64_t count = std::min(most, left.value_or(most));
@@ -214,7 +215,7 @@ std::shared_ptr<ReportQueue> status_reports(const SharedPySession& self, const G
   return queue;
 }
 
-/// A queue of reports in the place of the one that the session had.
+/// Creates a queue of reports that replaces the previous one of the session.
 /// @param place in the session, guarded by the interpreter lock
 template <typename Item>
 std::shared_ptr<ReportedQueue<Item>> reported(const SharedPySession& self,
@@ -270,7 +271,7 @@ py::list command_each(const SharedPySession& self, const GivenAxes& axes,
   return results;
 }
 
-/// @throws py::value_error when the member of a frame does not hold the value
+/// @throws py::value_error if the value does not fit in the member of a frame
 template <typename Member>
 Member member_of(ObjectRow row, std::int64_t value) {
   if (std::in_range<Member>(value)) return static_cast<Member>(value);
@@ -280,7 +281,7 @@ Member member_of(ObjectRow row, std::int64_t value) {
                         std::to_string(Limits::max()));
 }
 
-/// Mode, target position and controlword have members of their own in a frame.
+/// Mode, target position and controlword have dedicated members in a frame.
 void add_value(client::SetPoint& point, ObjectAddress object, std::int64_t value) {
   using namespace literals;
   if (object == kObjectRows["op_mode_cmd"_object].address) {
@@ -380,7 +381,7 @@ py::list causes_of(const client::KeptWindow& window) {
   return causes;
 }
 
-/// @return a record of a window, as vdrive/_faults.py has it.
+/// @return a window as a record in the form of vdrive/_faults.py.
 py::tuple window_record(std::uint32_t bench, const client::KeptWindow& window) {
   return py::make_tuple(bench, window.number, window.first_tick, window.last_tick, window.is_open,
                         causes_of(window), window.more_causes);
@@ -528,7 +529,7 @@ void add_follower(py::module_& module) {
       .def("lateness",
            [](const PyFollower& self) {
              const client::Lateness lateness = [&] {
-               const Unlocked unlocked;  // a call of another thread may wait for a sample
+               const Unlocked unlocked;  // a call of another thread may be waiting for a sample
                return self.follower->lateness();
              }();
              return tuple_of(lateness);

@@ -39,8 +39,8 @@ class Watcher {
 
   void begin(SignalWatch::Wait& wait);
 
-  /// Ends the innermost wait: it has all signals that have come.
-  /// @param for_outer who reads them does so after the outer wait
+  /// Ends the innermost wait, which has all signals that have arrived.
+  /// @param for_outer whether the signals are left for after the outer wait
   void end(const SignalWatch::Wait& wait, bool for_outer);
 
  private:
@@ -107,7 +107,7 @@ Watcher*& only_watcher() {
   return only;
 }
 
-/// A forked process has no thread of its parent, and gets its own.
+/// A forked process has no thread of its parent, and creates its own.
 Watcher& watcher() {
   Watcher*& only = only_watcher();
   if (only == nullptr || !only->is_of_this_process()) {
@@ -116,8 +116,8 @@ Watcher& watcher() {
   return *only;
 }
 
-/// signal.set_wakeup_fd: the C API does not offer it.
-/// @return the file before, -1 = none.
+/// Calls signal.set_wakeup_fd, which the C API does not offer.
+/// @return the previous file, -1 = none.
 int set_wakeup_file(int file) {
   // Never destroyed: the interpreter may be gone by then.
   static const py::handle set =
@@ -133,7 +133,7 @@ int set_wakeup_file(int file) {
   return py::reinterpret_steal<py::int_>(before).cast<int>();
 }
 
-/// Tries to. Keeps an exception that is on its way.
+/// Tries to restore it. Preserves a pending exception.
 bool restore_wakeup_file(int file) noexcept {
   try {
     const py::error_scope on_its_way;
@@ -144,8 +144,8 @@ bool restore_wakeup_file(int file) noexcept {
   }
 }
 
-/// What the system says of the calling thread. Kept, because every call asks: with the process of
-/// the watcher these were five system calls of eight, 1 us each on a virtual machine.
+/// Properties of the calling thread. Cached, because every call needs them: with the process of the
+/// watcher these were five of eight system calls, 1 us each on a virtual machine.
 struct CallingThread {
   const Origin origin{};
   const bool is_main = gettid() == getpid();
@@ -180,13 +180,13 @@ SignalWatch::~SignalWatch() {
 
 void SignalWatch::end() {
   if (!std::exchange(is_on_, false)) return;
-  // A callback may have forked: then the watcher is another one.
+  // A callback may have forked: then there is another watcher.
   if (is_inner_) outer_file_ = watcher().file();
   if (!restore_wakeup_file(outer_file_)) restore_wakeup_file(-1);
   watcher().end(wait_, is_inner_);
   if (wait_.has_ended) wait_again_();
   if (is_inner_ || outer_file_ < 0 || wait_.signals.empty()) return;
-  // Such as the loop of asyncio, to which the interpreter would have written them.
+  // For example the asyncio loop, to which the interpreter would have written them.
   const ssize_t written = write(outer_file_, wait_.signals.data(), wait_.signals.size());
   static_cast<void>(written);
 }

@@ -8,16 +8,16 @@ namespace vdrive::python {
 
 /// Ends a wait of the main thread when a signal arrives that Python handles, such as Ctrl-C.
 ///
-/// The interpreter writes the number of each such signal into a file while it is set to
-/// (signal.set_wakeup_fd); a thread waits for that and ends the wait. The wait itself stays in the
-/// thread that calls, and costs nothing more. In other threads a watch does nothing: Python runs
-/// handlers in the main thread only.
+/// The interpreter writes the number of each such signal to the file set with signal.set_wakeup_fd;
+/// a thread waits for that and ends the wait. The wait itself stays on the calling thread, at no
+/// extra cost. On other threads a watch does nothing: Python runs signal handlers on the main
+/// thread only.
 class SignalWatch {
  public:
   using Call = std::function<void()>;
 
   /// Needs the interpreter lock.
-  /// @param end_wait called in another thread, must neither wait nor throw
+  /// @param end_wait called on another thread, must neither wait nor throw
   /// @param wait_again called by end() after `end_wait`, must not throw
   SignalWatch(Call end_wait, Call wait_again);
 
@@ -29,11 +29,11 @@ class SignalWatch {
   /// Ends the watch. Needs the interpreter lock.
   void end();
 
-  /// What is watched, as the thread that waits for signals sees it.
+  /// The wait being watched, as seen by the thread that waits for signals.
   struct Wait {
     Call end;
-    Wait* outer = nullptr;  ///< the one in whose callback this one is
-    std::string signals;    ///< numbers, one byte each, of those that have come
+    Wait* outer = nullptr;  ///< the wait in whose callback this one runs
+    std::string signals;    ///< numbers of the signals that have arrived, one byte each
     bool has_ended = false;
   };
 
@@ -41,11 +41,12 @@ class SignalWatch {
   Wait wait_;
   Call wait_again_;
   int outer_file_ = -1;
-  bool is_inner_ = false;  ///< in a callback of a wait that is watched
+  bool is_inner_ = false;  ///< in a callback of a wait that is being watched
   bool is_on_ = false;
 };
 
-/// In a forked process: its signals are not for its parent. Needs the interpreter lock.
+/// To be called in a forked process: its signals are not for its parent. Needs the interpreter
+/// lock.
 void forget_signals_of_parent();
 
 }  // namespace vdrive::python

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The state of axes as arrays of numpy, and what its words and objects mean.
+// The state of axes as numpy arrays, and the meaning of their words and objects.
 #include "status.hpp"
 
 #include "arguments.hpp"
@@ -35,7 +35,7 @@ namespace {
 using client::AxisSnapshot;
 using client::Observation;
 
-/// Short names for what programs ask most: those of vdrive.Status.
+/// Short names for frequently used members: those of vdrive.Status.
 struct Alias {
   const char* name;
   std::string_view member;
@@ -63,8 +63,8 @@ Field field_of(const StatusMember& member) {
   return {std::string(member.name), (is_signed ? "<i" : "<u") + std::to_string(size), size};
 }
 
-/// @return the dtype of records in which the fields follow each other without gaps. The short name
-/// of a member is the title of its field: numpy takes it as a second name.
+/// @return the dtype of records whose fields have no gaps. The short name of a member is the title
+///         of its field, which numpy accepts as a second name.
 py::dtype type_of(const std::vector<Field>& fields) {
   py::list names;
   py::list formats;
@@ -82,14 +82,15 @@ py::dtype type_of(const std::vector<Field>& fields) {
   return py::dtype::from_args(description);
 }
 
-/// Copies `size` bytes, the least significant of each number first, as on every machine that runs
-/// this. @return the place after them.
+/// Copies `size` bytes, least significant byte first, as on every supported machine.
+/// @return the place after them.
 std::byte* put(std::byte* place, const void* bytes, std::size_t size) {
   std::memcpy(place, bytes, size);
   return place + size;  // NOLINT(*-pointer-arithmetic): one record follows the other
 }
 
-/// Copies what put() has written. @return the place after it.
+/// Copies the bytes written by put().
+/// @return the place after them.
 const std::byte* take_bytes(const std::byte* place, void* bytes, std::size_t size) {
   std::memcpy(bytes, place, size);
   return place + size;  // NOLINT(*-pointer-arithmetic): one record follows the other
@@ -106,7 +107,7 @@ class RecordLayout {
     add({"owner_epoch", "<u4", sizeof(std::uint32_t)});
   }
 
-  /// @return the bytes of a record.
+  /// @return the size of a record in bytes.
   [[nodiscard]] std::size_t size() const {
     std::size_t size = 0;
     for (const Field& field : fields_) size += field.size;
@@ -115,7 +116,7 @@ class RecordLayout {
 
   [[nodiscard]] py::dtype type() const { return type_of(fields_); }
 
-  /// Pieces of known sizes, which the compiler copies by single instructions.
+  /// Copies pieces of fixed size, which the compiler turns into single instructions.
   /// @return the place after the record.
   static std::byte* write(const AxisSnapshot& axis, std::uint64_t missed, std::byte* place) {
     const auto image = std::as_bytes(std::span(&axis.status, 1));
@@ -127,7 +128,8 @@ class RecordLayout {
     return put(place, &axis.owner_epoch, sizeof axis.owner_epoch);
   }
 
-  /// What write() has written. @return the place after the record.
+  /// Reads a record written by write().
+  /// @return the place after the record.
   static const std::byte* read(const std::byte* place, AxisSnapshot& axis, std::uint64_t& missed) {
     const auto image = std::as_writable_bytes(std::span(&axis.status, 1));
     place = take_bytes(place, &axis.tick, sizeof axis.tick);
@@ -139,7 +141,7 @@ class RecordLayout {
   }
 
  private:
-  // The members before the only one that is not published, and those after it.
+  // The members before the only unpublished one, and those after it.
   static constexpr std::size_t kBefore = offsetof(AxisStatus, ds402_controlword);
   static constexpr std::size_t kAfter = sizeof(AxisStatus) - offsetof(AxisStatus, error_code);
 
@@ -168,8 +170,8 @@ const RecordLayout& layout() {
   return only;
 }
 
-/// @return whether the records have these fields. Titles, the short names, do not count: arrays
-///         that an earlier version has saved have none.
+/// @return whether the records have these fields. Titles (the short names) are not compared: arrays
+///         saved by an earlier version have none.
 bool has_layout(const py::dtype& type) {
   const py::dtype own = layout().type();
   const py::tuple names = own.attr("names");
@@ -219,7 +221,7 @@ void add_observation(py::module_& module) {
       .def("axis", &axis_of);
 }
 
-/// What the words of a status mean.
+/// Adds functions that decode the words of a status.
 void add_meanings(py::module_& module) {
   module.def("power_state", [](std::uint16_t statusword) {
     return static_cast<std::uint8_t>(decode_power_state(statusword));
@@ -249,7 +251,7 @@ void add_meanings(py::module_& module) {
   });
 }
 
-/// @throws py::key_error where the dictionary has no object of that name or address
+/// @throws py::key_error if the dictionary has no object with that name or address
 std::uint32_t object_named(const std::string& name) {
   if (const auto named = parse_object(name)) {
     return std::uint32_t{named->index} << kSubindexBits | named->subindex;
@@ -264,11 +266,12 @@ std::uint32_t object_named(const std::string& name) {
 Frames::Frames(std::size_t axes) : axes_(axes), row_(axes * layout().size()) {}
 
 void Frames::expect(std::size_t samples) {
-  // More grows with the samples: a count that is too large has to fail at none of them.
+  // Beyond this the memory grows with the samples: an excessive count must not fail before any
+  // sample.
   constexpr std::size_t kMostAtFirst = std::size_t{1} << 28U;  // [bytes]
   records_.reserve(std::min(samples, kMostAtFirst / std::max<std::size_t>(row_, 1)) * row_);
-  // Of a recording of 60 MB the kernel would clear 15,000 pages of 4 kB: a quarter of its time.
-  // Where it has no huge pages it refuses, and clears them.
+  // For a recording of 60 MB the kernel would clear 15,000 pages of 4 kB: a quarter of its time.
+  // Without huge pages it ignores the advice and clears them.
   constexpr std::size_t kHugePage = std::size_t{1} << 21U;
   void* place = records_.data();
   std::size_t room = records_.capacity();
@@ -300,7 +303,7 @@ py::array Frames::take(std::size_t most) {
   samples_ -= count;
   const std::vector<py::ssize_t> shape{static_cast<py::ssize_t>(count),
                                        static_cast<py::ssize_t>(axes_)};
-  // The array has the records where they lie, and ends them.
+  // The array uses the records in place and owns them.
   const std::byte* const first = taken->data();
   const py::capsule owner(taken.get(), [](void* records) {
     // NOLINTNEXTLINE(cppcoreguidelines-owning-memory): released below
@@ -348,7 +351,7 @@ py::dtype status_image_type() {
   std::vector<Field> fields;
   fields.reserve(kStatusMembers);
   for (const StatusMember& member : status_members()) fields.push_back(field_of(member));
-  return type_of(fields);  // the table is in the order of the members, which have no gaps
+  return type_of(fields);  // the table is in the order of the members, without gaps
 }
 
 void add_status(py::module_& module) {

@@ -21,7 +21,7 @@ using client::Session;
 using client::StepClock;
 using Ticks = client::Result<std::vector<std::uint64_t>>;
 
-// Wall time after which a step that waits for others checks whether it has to end.
+// Wall time after which a step that waits for others checks whether it must end.
 constexpr std::chrono::milliseconds kSliceOfStep{100};
 
 class OwnClock final : public Dependent {
@@ -35,7 +35,7 @@ class OwnClock final : public Dependent {
     clock_.reset();
   }
 
-  /// @param step called again with what is left of `patience` while it times out
+  /// @param step called again with the rest of `patience` while it times out
   template <typename Step>
   std::vector<std::uint64_t> step(std::int64_t patience, const Step& step) {
     return value_or_raise(waiting(py_session_, [&](Session& session) {
@@ -46,7 +46,7 @@ class OwnClock final : public Dependent {
   [[nodiscard]] double now() {
     origin.require_own("the clock");
     return value_or_raise([this]() -> client::Result<double> {
-      const Unlocked unlocked;  // a step of another thread may be under way
+      const Unlocked unlocked;  // a step of another thread may be in progress
       const std::scoped_lock lock(mutex_);
       if (!clock_) return Outcome::failed("the clock is closed");
       return seconds_of(clock_->now());
@@ -62,7 +62,7 @@ class OwnClock final : public Dependent {
       if (!clock_) return Outcome::failed("the clock is closed");
       const auto left =
           std::chrono::ceil<std::chrono::milliseconds>(deadline - std::chrono::steady_clock::now());
-      // What was granted stays granted: the same call again continues with it.
+      // Granted ticks stay granted: the same call again continues with them.
       Ticks reached = step(*clock_, std::clamp(left, std::chrono::milliseconds(0), kSliceOfStep));
       const bool waits = reached.outcome().kind() == client::OutcomeKind::timed_out;
       if (!waits || left <= kSliceOfStep) return reached;

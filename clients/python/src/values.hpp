@@ -10,8 +10,8 @@
 
 #include <vector>
 
-/// What a program reads, as tuples of plain values: the arguments of the classes in
-/// vdrive/_values.py, in their order, and the state of a Status. With the interpreter lock.
+/// The values that a program reads, as tuples of plain values: the arguments of the classes in
+/// vdrive/_values.py, in their order, and the state of a Status. Call with the interpreter lock.
 namespace vdrive::python {
 
 [[nodiscard]] py::tuple tuple_of(const Unit& unit);

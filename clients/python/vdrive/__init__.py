@@ -32,7 +32,7 @@ try:
 except ImportError:
     from . import _build
 
-    _build.check()  # raises what tells more: built for another Python
+    _build.check()  # raises the more specific error: built for another Python
     raise
 from ._axis import DISTURBANCES, Axis, Motion
 from ._axis_bank import AxisBank
@@ -94,7 +94,7 @@ def record_type() -> dtype[Any]:
     return _vdrive.record_type()
 
 
-# What a traceback names is what a program writes.
+# Tracebacks must show the names that programs use.
 for _class in [value for value in globals().values() if isinstance(value, type)]:
     if _class.__module__.startswith("vdrive."):
         _class.__module__ = "vdrive"

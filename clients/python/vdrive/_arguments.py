@@ -12,14 +12,14 @@ TYPE_CHECKING = False  # as typing.TYPE_CHECKING: reading that module takes time
 if TYPE_CHECKING:
     from typing import Any, Callable, Literal, NoReturn, SupportsFloat, SupportsIndex
 
-    NumberSpec = SupportsIndex | SupportsFloat  # whole, unless it has a unit
+    NumberSpec = SupportsIndex | SupportsFloat  # an integer, unless it has a unit
     ObjectSpec = int | tuple[int, int] | str
     UntilSpec = Literal["done", "in_force"]
     PaceSpec = Literal["drive", "observe"]
     KeepAliveSpec = Literal["own_thread", "user_frames"]
 
-MOST = 2**63 - 1  # of what is counted
-_LONGEST = 3_200_000_000  # [s] 100 years: more than any wait, less than nanoseconds hold
+MOST = 2**63 - 1  # of counts
+_LONGEST = 3_200_000_000  # [s] 100 years: longer than any wait, and fits in nanoseconds
 _SHOWN = 64  # characters of a value
 
 
@@ -34,7 +34,7 @@ class Handle:
     def __repr__(self) -> str:
         return f"<vdrive.{type(self).__name__}>"
 
-    if not TYPE_CHECKING:  # which would take every name for an attribute
+    if not TYPE_CHECKING:  # otherwise every name would count as an attribute
         def __getattr__(self, name):
             if name == "_handle":
                 raise TypeError(f"{type(self).__name__}.__init__() was not called")

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import functools
 
-_PATIENCE = 1.0  # s of a cancelled task for the end of its call
+_PATIENCE = 1.0  # s that a cancelled task waits for its call to end
 
 TYPE_CHECKING = False  # as typing.TYPE_CHECKING: reading that module takes time
 if TYPE_CHECKING:
@@ -25,7 +25,7 @@ async def in_thread(call: Callable[[], Result], end: Callable[[], object]) -> Re
     def run() -> None:
         try:
             report = functools.partial(ended.set_result, call())
-        except StopIteration as error:  # no future takes it
+        except StopIteration as error:  # a future does not accept it
             report = functools.partial(ended.set_exception,
                                        RuntimeError(f"the call raised {error!r}"))
         except BaseException as error:
@@ -35,15 +35,16 @@ async def in_thread(call: Callable[[], Result], end: Callable[[], object]) -> Re
         except RuntimeError:
             pass  # the loop is closed: nobody waits any more
 
-    # A cancelled task does not ask how the call ended: asyncio would complain.
+    # Retrieve the exception: a cancelled task does not, and asyncio would complain.
     ended.add_done_callback(lambda future: future.exception())
-    # Not of the executor of the loop, which has a few threads: a hundred motions may be awaited.
+    # Not on the executor of the loop, which has few threads: a hundred motions may be awaited.
     threading.Thread(target=run, name="vdrive await", daemon=True).start()
     try:
-        await asyncio.wait([ended])  # a cancelled task leaves it as it is
+        await asyncio.wait([ended])  # does not cancel it with the task
     except asyncio.CancelledError:
         await asyncio.to_thread(end)
-        # A wait on a bench that is paused ends when it goes on: the task does not stay for it.
+        # A wait on a paused bench ends only when the bench continues: the task does not wait for
+        # that.
         await asyncio.wait([ended], timeout=_PATIENCE)
         raise
     return ended.result()

@@ -37,7 +37,7 @@ if TYPE_CHECKING:
     CommandSpec = Literal[
         "enable", "disable", "halt", "resume", "quick_stop", "reset_fault", "power_cycle"
     ]
-    Given = tuple[str, float] | None  # unit in which a program gives its numbers, and its size in UU
+    Given = tuple[str, float] | None  # unit of a program's numbers, and its size in UU
 
 DISTURBANCES: tuple[str, ...] = tuple(_vdrive.DISTURBANCES)
 """The names of the disturbances that Axis.disturb() knows."""
@@ -320,7 +320,7 @@ class Axis(Handle):
 
         Return the tick in which it is in force.
         """
-        # True and False are what most of the inputs are.
+        # Most of the inputs take True or False.
         number = int(value) if isinstance(value, bool) else value_of_object(value)
         return self._handle.disturb(text("disturbance", disturbance), number)
 

@@ -41,7 +41,7 @@ def _is_one(axis: Any) -> bool:
 
 
 def _axis(axis: Any) -> int:
-    return whole("axis", axis, -2**63)  # the bank knows how many it has
+    return whole("axis", axis, -2**63)  # the bank checks the upper limit
 
 
 def _axes(axes: Any) -> NDArray[numpy.int64] | None:
@@ -61,7 +61,7 @@ def _integers(name: str, values: Any) -> NDArray[numpy.int64]:
     if row.ndim == 1 and row.size == 0:
         return numpy.empty(0, numpy.int64)
     if row.ndim <= 1 and row.dtype.kind in "iuf":
-        # As what it is first: numpy would cut a fraction off.
+        # Checked in its own type first: numpy would truncate a fraction.
         if row.dtype.kind == "i" or (
                 (numpy.floor(row) == row) & (row >= -2.0**63) & (row < 2.0**63)).all():
             return numpy.ascontiguousarray(row, numpy.int64).reshape(row.shape)

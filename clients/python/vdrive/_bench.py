@@ -124,7 +124,7 @@ class Bench:
         one of a wrong type TypeError; both name the argument.
         """
         self._sessions: weakref.WeakSet[Session] = weakref.WeakSet()
-        self._beside: weakref.WeakSet[Bench] = weakref.WeakSet()  # what was made beside this one
+        self._beside: weakref.WeakSet[Bench] = weakref.WeakSet()  # benches made beside this one
         self._local: Any = None
         self._private: Any = None
         self._is_local = _one_of("over", over, ("local", "dds")) == "local"

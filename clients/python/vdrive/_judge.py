@@ -54,6 +54,6 @@ def judge(journal: Path, *, off: Mapping[str, str] | None = None) -> Verdict:
     for rule, reason in reasons.items():
         if not isinstance(reason, str) or not reason.strip():
             raise ValueError(f"off: {rule} has no reason: say why the master does this on purpose")
-    os.close(os.open(journal, os.O_RDONLY | os.O_NONBLOCK))  # raises OSError where it cannot be opened
+    os.close(os.open(journal, os.O_RDONLY | os.O_NONBLOCK))  # raises OSError if it cannot be opened
     findings, unused, report = _vdrive.judge_journal(os.fspath(journal), list(reasons.items()))
     return Verdict([Finding(*each) for each in findings], unused, report)

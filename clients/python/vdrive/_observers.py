@@ -25,7 +25,7 @@ _running: weakref.WeakSet[Observer] = weakref.WeakSet()
 
 _PATIENCE_AT_EXIT = 1.0
 
-# The threads of observers that have not ended, and which thread waits for which of them.
+# The threads of observers that have not ended, and which thread is waiting for which.
 _changed = threading.Condition()
 _alive: set[threading.Thread] = set()
 _waits_for: dict[threading.Thread, threading.Thread] = {}
@@ -42,7 +42,7 @@ def _wait_for(thread: threading.Thread, patience: float | None = None) -> None:
         return other is caller
 
     with _changed:
-        before = _waits_for.get(caller)  # of a wait in which the handler of a signal closes another one
+        before = _waits_for.get(caller)  # set if a signal handler closes another one during a wait
         _waits_for[caller] = thread
         try:
             _changed.wait_for(lambda: thread not in _alive or is_in_a_circle(), patience)
@@ -129,7 +129,7 @@ class Observer:
                 if self._closed.is_set():
                     return
                 self._call(self._function, item)
-        except Exception as error:  # the source failed: a service that is lost
+        except Exception as error:  # the source failed, for example because a service is lost
             self._error = error
             if self._on_end is None:
                 self._report()
@@ -139,7 +139,7 @@ class Observer:
     def _call(self, function: Callable[[Any], object], argument: Any) -> None:
         try:
             function(argument)
-        except BaseException:  # SystemExit, too: it would end a thread that is not the program's
+        except BaseException:  # also SystemExit, which would end a thread that is not the program's
             self._report()
 
     @staticmethod
@@ -175,5 +175,5 @@ def _forget_threads_of_parent() -> None:
 
 
 os.register_at_fork(after_in_child=_forget_threads_of_parent)
-# Functions run in the reverse order of their registration: this one before the end of the sessions.
+# Exit functions run in reverse order of registration: this one before the end of the sessions.
 atexit.register(_close_all)

@@ -97,7 +97,7 @@ class Recording:
         target = os.path.realpath(name)
         if os.path.exists(target) and not os.path.isfile(target):
             raise OSError(f"cannot write {name!r}: it is not a regular file")
-        # Beside the file: a rename is atomic within one file system only.
+        # In the same directory: a rename is atomic only within one file system.
         temporary = os.path.join(os.path.dirname(target),
                                  f".vdrive.{os.urandom(8).hex()}{os.path.splitext(name)[1]}")
         try:
@@ -133,7 +133,7 @@ def load(path: str | os.PathLike[str], *, bench: int | None = None,
     period = None if period is None else real("period", period)
     if period is not None and not 0.0 < period < float("inf"):
         raise ValueError(f"period = {period!r}: must be a time in s above 0")
-    os.close(os.open(path, os.O_RDONLY | os.O_NONBLOCK))  # raises OSError where it cannot be opened
+    os.close(os.open(path, os.O_RDONLY | os.O_NONBLOCK))  # raises OSError if it cannot be opened
     cut, benches = _vdrive.read_recording(os.fspath(path))
     chosen = [each for each in benches if bench in (None, each[0])]
     if len(chosen) > 1:
@@ -142,7 +142,7 @@ def load(path: str | os.PathLike[str], *, bench: int | None = None,
         raise ValueError(f"{path}: bench = {bench} is not in it, it has "
                          f"{', '.join(str(each[0]) for each in benches)}")
     if not chosen:
-        import numpy  # Here, because it takes most of the time of `import vdrive`.
+        import numpy  # Imported here, because it takes most of the time of `import vdrive`.
 
         return Recording([], [], numpy.zeros((0, 0), _vdrive.record_type()), cut, period)
     _, recorded_period, axes, names, frames = chosen[0]

@@ -53,8 +53,8 @@ if TYPE_CHECKING:
     from ._arguments import KeepAliveSpec, NumberSpec, ObjectSpec, PaceSpec, UntilSpec
     from ._axis import AxesSpec, CommandSpec
 
-_MOST_AXES = 256  # that one question may name
-_SLICE = 100  # ticks after which a wait for time looks whether it was cancelled
+_MOST_AXES = 256  # most axes in one request
+_SLICE = 100  # ticks after which a wait checks whether it was cancelled
 
 
 def _script() -> bytes:
@@ -62,7 +62,7 @@ def _script() -> bytes:
 
     Then the interpreter's own name says who it is.
     """
-    # A program that embeds Python may have no arguments, and an argument may be no UTF-8.
+    # A program that embeds Python may have no arguments, and an argument may not be UTF-8.
     first = os.fsencode((getattr(sys, "argv", None) or [""])[0])
     return b"" if first.startswith(b"-") else os.path.basename(first)
 
@@ -233,7 +233,7 @@ class Session(Handle):
 
     def step(self, ticks: NumberSpec = 1, *, bench: int | None = None) -> int:
         """Step a lock-step bench. Return the tick reached."""
-        if type(ticks) is not int or not 0 <= ticks <= MOST:  # a call less where it is one
+        if type(ticks) is not int or not 0 <= ticks <= MOST:  # saves a call for an int
             ticks = whole("ticks", ticks)
         return self._handle.step(bench if bench is None else bench_number(bench), ticks)
 
@@ -372,7 +372,7 @@ class Session(Handle):
         the session has found. It takes the place of events() and of the observer before: a session has
         one stream of events.
         """
-        check_function(observer)  # before the observer of now loses its place
+        check_function(observer)  # before the present observer is replaced
         return Observer(observer, [self.events(history=history)])
 
     def watch_services(self, observer: Callable[[ServiceChange], object]) -> Observer:

@@ -121,7 +121,7 @@ class _Stream(Handle, Generic[Item]):
 
     def __init__(self, handle: Any, session: object) -> None:
         super().__init__(handle)
-        self._session = session  # lives as long
+        self._session = session  # keeps the session alive
 
     def _item(self, plain: Any) -> Item:
         raise NotImplementedError
@@ -248,7 +248,7 @@ class AsyncStream(Generic[Item]):
             await self._readable()
 
     async def _readable(self) -> None:
-        import asyncio  # Here, because it takes a fifth of the time of `import vdrive`.
+        import asyncio  # Imported here, because it takes a fifth of the time of `import vdrive`.
 
         if self._has_reader:
             raise RuntimeError("another task waits for an item of this stream")

@@ -21,7 +21,7 @@ class Unit:
     """The unit in which positions are shown, such as "deg" or "mm"."""
     size: float
     """UU of a revolution; linear: of one `name`."""
-    _sizes: Mapping[str, float] = field(compare=False)  # [UU] of the units that a call takes
+    _sizes: Mapping[str, float] = field(compare=False)  # [UU] of the units that calls accept
 
     def to_user_units(self, value: SupportsFloat) -> int:
         """Return a position in `name` in UU, rounded to the nearest.
@@ -97,7 +97,7 @@ class BenchInfo:
     """Version of vdrived."""
     host: str
     """Name of the machine or container of its service; empty: not known, or this process."""
-    _handle: Any  # makes the descriptions of thousands of axes when a program asks for them
+    _handle: Any  # creates the descriptions of thousands of axes on demand
 
     @property
     def axes(self) -> list[AxisInfo]:

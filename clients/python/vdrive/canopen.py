@@ -39,11 +39,11 @@ _CLOCKS = ("realtime", "lockstep")
 _HIGHEST_NODE = 127
 _USUAL_AXES = 3
 _LONGEST_PERIOD = 10.0  # [s]
-_START = 60.0  # [s] A busy machine starts many of them side by side.
+_START = 60.0  # [s] A busy machine may start many of them at the same time.
 _END = 5_000_000_000  # [ns]
 _POLL = 2_000_000  # [ns]
 _USAGE = 2  # exit code of a program that cannot use its arguments
-_OF_A_NETWORK = ("VDRIVE_DOMAIN", "VDRIVE_SECURITY")  # variables that a private bench has no use for
+_OF_A_NETWORK = ("VDRIVE_DOMAIN", "VDRIVE_SECURITY")  # variables that a private bench does not use
 
 
 def find_program() -> str:
@@ -280,7 +280,7 @@ class Bus:
             self._is_closed = True
             before = self._program.wait(0)
             try:
-                with contextlib.ExitStack() as ending:  # each of them, whatever another one raises
+                with contextlib.ExitStack() as ending:  # close all of them, even if one raises
                     for master in list(self._masters):
                         ending.callback(master.shutdown)
             finally:
@@ -299,7 +299,7 @@ class Bus:
         try:
             self.close()
         except Failed:
-            if kind is None:  # else it would hide what has happened before
+            if kind is None:  # otherwise it would hide the earlier exception
                 raise
 
     def __repr__(self) -> str:

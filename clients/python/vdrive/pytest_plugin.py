@@ -51,7 +51,7 @@ if TYPE_CHECKING:
     Start = Callable[[vdrive.Session], object]
 
 
-# Status of one axis: some 60 MB in all. A bench of many axes keeps fewer ticks.
+# Statuses of one axis: some 60 MB in total. A bench with many axes keeps fewer ticks.
 _MOST_STATUSES = 400_000
 _MOST_EVENTS = 1024  # as many as a bench keeps
 _MOST_FAILURES = 20  # with files, in one process
@@ -105,7 +105,7 @@ class _Recorder:
     def _stories(self) -> list[str]:
         """Return what led to the faults of the bench, newest first."""
         stories: list[str] = []
-        with contextlib.suppress(Exception):  # a bench that the test has ended
+        with contextlib.suppress(Exception):  # the test may have ended the bench
             assert self._session is not None
             faults = [each for each in self._session.faults() if each.number > self._earlier]
             for fault in reversed(faults[-_MOST_STORIES:]):
@@ -128,12 +128,12 @@ class _Recorder:
         import numpy
 
         present: NDArray[Any] | None = None
-        with contextlib.suppress(Exception):  # a bench that the test has ended
+        with contextlib.suppress(Exception):  # the test may have ended the bench
             assert self._session is not None
             present = self._session.observe(self._axes).array()[numpy.newaxis, :]
         parts: list[NDArray[Any]] = []
         end = time.monotonic() + 1.0
-        # What the bench has published reaches the stream a moment later.
+        # Publications of the bench reach the stream slightly later.
         while time.monotonic() < end:
             try:
                 part = self._stream.take(timeout=0.1)
@@ -208,7 +208,7 @@ def _complete_report(item: pytest.Item) -> Generator[None, Any, None]:
     report.sections.append(("vdrive bench", text))
 
 
-# Not as a decorator: it has no types.
+# Not as a decorator, which has no types.
 pytest_runtest_makereport = pytest.hookimpl(hookwrapper=True)(_complete_report)
 
 
@@ -290,14 +290,14 @@ class _Judge:
         import vdrive
 
         if self.bench is not None:
-            self.bench.close()  # its journal is complete then
+            self.bench.close()  # completes its journal
         return vdrive.judge(self.journal, off=self._off)
 
     def failure(self) -> tuple[str, list[str]]:
         """Return why the test fails, empty where it does not, and exceptions that cover nothing."""
         try:
             verdict = self.verdict()
-        except Exception as error:  # such as a mistake in the marker
+        except Exception as error:  # such as an error in the marker
             return f"vdrive_judge: {error}", []
         fails = any(finding.severity in self._failing for finding in verdict.findings)
         return "vdrive_judge: " + verdict.report if fails else "", verdict.unused
@@ -319,11 +319,11 @@ def vdrive_judge(request: pytest.FixtureRequest, tmp_path: Any) -> _Judge:
 def vdrive_bench(request: pytest.FixtureRequest,
                  monkeypatch: pytest.MonkeyPatch) -> Iterator[vdrive.Bench]:
     """A private bench, in lock-step. Over DDS VDRIVE_DOMAIN names its domain."""
-    import vdrive  # not for tests that have no bench: reading it takes time
+    import vdrive  # imported only when a test needs a bench: it takes time
 
     options = _options_of(request)
     ticks = request.config.getoption("--vdrive-record")
-    if ticks is None:  # over DDS the search of one more session takes time
+    if ticks is None:  # over DDS, a further session takes time to find the bench
         ticks = _USUAL_TICKS if options["over"] == "local" else 0
     judge = request.getfixturevalue("vdrive_judge") if "vdrive_judge" in request.fixturenames else None
     if judge is not None:
@@ -395,7 +395,7 @@ def vdrive_can(request: pytest.FixtureRequest) -> Iterator[vdrive.canopen.Bus]:
     It ends with the test, and what its can() gave is closed. A test fails when the program of the bus
     has ended by itself.
     """
-    from vdrive import canopen  # not for tests that have no bus: reading it takes time
+    from vdrive import canopen  # imported only when a test needs a bus: it takes time
 
     options = _marked(request, "vdrive_can")
     if "config" not in options:
@@ -414,7 +414,7 @@ class _SharedBench:
         import vdrive
 
         self._refused = vdrive.Refused
-        # The memories of stored parameters stay as they are when a snapshot is restored.
+        # Restoring a snapshot does not restore stored parameters.
         if options.get("state") is not None or any(
                 str(word).startswith("--state") for word in options.get("arguments", ())):
             raise vdrive.ConfigurationError(
@@ -431,7 +431,7 @@ class _SharedBench:
     def _begin(self) -> None:
         import vdrive
 
-        # It stays open: over DDS each session searches for the bench again.
+        # Stays open: over DDS, each session searches for the bench again.
         self._keeper = self.bench.session()
         found = self._keeper.find_bench()
         if found.clock_mode == "freerun":
@@ -464,12 +464,13 @@ class _SharedBench:
             except self._refused as refusal:
                 if refusal.code != self._IS_OWNED:
                     raise
-                # By a session that the bench does not know, or one whose end is on its way.
+                # Held by a session that the bench does not know, or by one that is just ending.
                 for axis in self._keeper.axes():
                     axis.take_over()
                 self._keeper.restore_snapshot(self._snapshot)
             if self._rate is None:
-                # The bench tells with its next tick what has changed. That is no event of the next test.
+                # The bench reports the changes with its next tick. They are not events of the next
+                # test.
                 self._keeper.step(1)
                 self._keeper.restore_snapshot(self._snapshot)
         self._keeper.release()
