@@ -68,14 +68,14 @@ void complete(Arguments& arguments) {
   if (arguments.rate) settings.rate = *arguments.rate;
   settings.is_enabled = settings.is_enabled || arguments.enable;
   settings.is_prefixed = settings.is_prefixed || arguments.prefix;
-  // After the file: whether the closed mode is used is known now.
+  // After the file, because only now is it known whether the closed mode is used.
   settings.session.find_timeout = bridge::find_timeout_of(settings.session);
-  // A controller must not act on a state that is older: a link discards it, and follows again.
+  // A controller must not act on an older state: a link discards it, and starts following again.
   settings.session.patience = settings.session.silence;
   resolve_topics(settings);
 }
 
-/// Blocked in every thread: sigwait() receives them.
+/// Blocks them in every thread; sigwait() receives them.
 sigset_t block_end_signals() {
   sigset_t signals{};
   sigemptyset(&signals);
@@ -99,7 +99,7 @@ int serve(const Arguments& arguments) {
   return bridge::kDone;
 }
 
-/// Reads the command line, and serves until SIGINT or SIGTERM.
+/// Parses the command line, and serves until SIGINT or SIGTERM.
 /// @return the exit code: 0 done, 1 no network, 2 bad command line or configuration
 int run_command_line(int argument_count, const char* const* argument_list) {
   CLI::App app(
@@ -122,6 +122,6 @@ int run_command_line(int argument_count, const char* const* argument_list) {
 
 int main(int argument_count, char** arguments) {
   vdrive::bridge::open_standard_streams();
-  // Everything is released. A static destructor of the DDS library would sleep 100 ms.
+  // Everything has been released. A static destructor of the DDS library would sleep 100 ms.
   std::quick_exit(vdrive::ros2::run_command_line(argument_count, arguments));
 }

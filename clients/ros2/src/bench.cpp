@@ -11,7 +11,7 @@
 namespace vdrive::ros2 {
 namespace {
 
-constexpr std::size_t kMostNames = 256;  // a bench has as many
+constexpr std::size_t kMostNames = 256;  // as many as a bench has
 
 }  // namespace
 
@@ -43,14 +43,14 @@ void Bench::set_rate(double rate) {
 void Bench::add_name(std::uint64_t session, client::SessionName name) {
   const std::scoped_lock lock(mutex_);
   auto names = seen_.names ? *seen_.names : Names();
-  // Sessions come and go; the newest are the ones that hold axes.
+  // Sessions come and go; the newest ones are those that hold axes.
   if (names.size() >= kMostNames) names.clear();
   names.insert_or_assign(session, std::move(name));
   seen_.names = std::make_shared<const Names>(std::move(names));
 }
 
 void Bench::set_limits(Limits limits, std::uint64_t request) {
-  // Both under one lock: who sees the number has the limits that belong to it.
+  // Both under one lock, so that a reader of the number gets the limits that belong to it.
   const std::scoped_lock lock(mutex_);
   seen_.limits = std::move(limits);
   seen_.limits_read = request;

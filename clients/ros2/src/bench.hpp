@@ -18,31 +18,31 @@
 
 namespace vdrive::ros2 {
 
-/// What the thread that commands wants of the control of all axes of a bench.
+/// The wish of the commanding thread for the control of all axes of a bench.
 enum class ControlWish : std::uint8_t {
   take,       ///< as soon as they are free
-  leave,      ///< keep what is held, take no more
-  give_back,  ///< what is held
+  leave,      ///< keep the axes held, take no more
+  give_back,  ///< release the axes held
 };
 
-/// A bench as two threads share it: the one that commands it, and that of its FollowedBench, which
-/// waits for it. Thread-safe; no call waits.
+/// A bench as shared by two threads: the one that commands it, and that of its FollowedBench, which
+/// may wait for it. Thread-safe; no call waits.
 class Bench {
  public:
   using State = std::shared_ptr<const client::Observation>;  ///< axes in the order of the joints
   using Limits = std::shared_ptr<const std::vector<JointLimits>>;
   using Names = std::map<std::uint64_t, client::SessionName>;
 
-  /// What is known of it.
+  /// The information about the bench.
   struct Seen {
-    State state{};                         ///< the newest one; none while the bench sends no status
-    Limits limits{};                       ///< of all joints; none before they were read
+    State state{};                         ///< the newest one; null while the bench sends no status
+    Limits limits{};                       ///< of all joints; null before they were read
     std::uint64_t limits_read = 0;         ///< number of the newest request that `limits` answers
-    std::shared_ptr<const Names> names{};  ///< of other sessions that hold axes; none = no name
-    double rate = 1.0;  ///< drive time over wall time; 1 where time does not pass alone
+    std::shared_ptr<const Names> names{};  ///< of other sessions that hold axes; null = no names
+    double rate = 1.0;  ///< drive time over wall time; 1 if time passes only by steps
   };
 
-  /// What is wanted from it.
+  /// Requests to the bench.
   struct Wishes {
     std::optional<ControlWish> control{};  ///< each is taken once
     std::uint64_t limits = 0;              ///< number of the newest request
@@ -54,7 +54,7 @@ class Bench {
 
   [[nodiscard]] const std::vector<ServedJoint>& joints() const noexcept { return joints_; }
 
-  /// @return what reports call it, such as "bench 1".
+  /// @return its name in reports, such as "bench 1".
   [[nodiscard]] std::string label() const { return "bench " + std::to_string(info_.number); }
 
   /// @return [s] of a tick
@@ -66,16 +66,17 @@ class Bench {
   void set_state(State state);
   void set_rate(double rate);
 
-  /// Who a session that holds axes is.
+  /// Records the name of a session that holds axes.
   void add_name(std::uint64_t session, client::SessionName name);
 
-  /// @param request the `limits` of the wishes before they were read
+  /// @param request the `limits` of the wishes before the limits were read
   void set_limits(Limits limits, std::uint64_t request);
 
-  /// A newer wish takes the place of one that was not taken.
+  /// A newer wish replaces one that has not been taken yet.
   void wish(ControlWish wish);
 
-  /// Has the limits read again. @return the number that Seen::limits_read has after it.
+  /// Requests that the limits be read again.
+  /// @return the value of Seen::limits_read once that is done.
   std::uint64_t request_limits();
 
   [[nodiscard]] Wishes take_wishes();
@@ -83,15 +84,15 @@ class Bench {
  private:
   const client::BenchInfo info_;
   const std::vector<ServedJoint> joints_;
-  mutable std::mutex mutex_;  ///< guards what follows
+  mutable std::mutex mutex_;  ///< guards the members below
   Seen seen_;
   Wishes wishes_;
 };
 
-/// @return how messages call a session that holds axes of a bench.
+/// @return the name, for messages, of a session that holds axes of a bench.
 [[nodiscard]] std::string owner_text(std::uint64_t session, const Bench::Names* names);
 
-/// A joint in the newest tick of its bench, for the length of a call.
+/// A joint in the newest tick of its bench, for the duration of a call.
 struct JointNow {
   const ServedJoint& joint;
   const client::AxisSnapshot& axis;
@@ -99,26 +100,26 @@ struct JointNow {
   std::uint64_t tick = 0;
   double period = 0.0;  ///< [s] of a tick
 
-  /// @return what the drive is to do in this tick.
+  /// @return the motion that the drive commands in this tick.
   [[nodiscard]] JointMotion demand() const noexcept;
 
-  /// @return `value`, which is in rad or m, in user units.
+  /// @return `value`, given in rad or m, in user units.
   [[nodiscard]] std::int32_t user_units(double value) const noexcept;
 
-  /// @return [s] from one tick to another one, which may be earlier.
+  /// @return the time [s] from one tick to another, which may be earlier.
   [[nodiscard]] double seconds(std::uint64_t from, std::uint64_t to) const noexcept {
     return (static_cast<double>(to) - static_cast<double>(from)) * period;
   }
 };
 
-/// A bench in one turn.
+/// A bench in one cycle.
 struct BenchNow {
   const Bench& bench;
   Bench::Seen seen{};
 
   [[nodiscard]] std::uint64_t tick() const noexcept { return seen.state->tick; }
 
-  /// @return the joint at that place. Only where a joint can be commanded: there are a state and
+  /// @return the joint at that place. Only if the joint can be commanded: there must be a state and
   ///         limits.
   [[nodiscard]] JointNow joint(std::size_t place) const;
 };

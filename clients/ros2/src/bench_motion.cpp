@@ -58,7 +58,7 @@ bool BenchMotion::is_disabled() const {
   return !now_.seen.state || power_.is_disabled(*now_.seen.state);
 }
 
-/// @return why the joint cannot be commanded now; empty when it can.
+/// @return why the joint cannot be commanded now; empty if it can.
 std::string BenchMotion::obstacle(std::size_t place) const {
   if (!power_.wants_enabled()) {
     return "is not enabled: publish true on the topic enable, or use --enable";
@@ -140,7 +140,7 @@ std::vector<Duty> BenchMotion::duties() const {
   return duties;
 }
 
-// ---- each turn -------------------------------------------------------------------------------
+// ---- each cycle ------------------------------------------------------------------------------
 
 BrokenTrajectories BenchMotion::update(Clock::time_point now) {
   BrokenTrajectories broken;
@@ -152,13 +152,14 @@ BrokenTrajectories BenchMotion::update(Clock::time_point now) {
     if (before) add(end_all(bench_.label() + " sends no status"));
     return broken;
   }
-  // Another run of the service, or a snapshot: no tick of a plan is that of the bench any more.
+  // Another run of the service, or a snapshot: the ticks of the plans no longer match those of the
+  // bench.
   if (before && now_.tick() < before->tick) {
     add(end_all(bench_.label() + " counts ticks from a lower number"));
   }
   stream_.set_rate(now_.seen.rate);
   power_.report_faults(*now_.seen.state);
-  // Power first: no set-point goes to a joint that is not enabled any more.
+  // Power first, so that no set-point goes to a joint that is no longer enabled.
   if (const std::string problem = first_obstacle(); !problem.empty()) {
     const std::vector<std::size_t> running = free_joints();
     add(end_all(problem));
@@ -168,15 +169,15 @@ BrokenTrajectories BenchMotion::update(Clock::time_point now) {
   check_commands();
   add(catch_up());
   check_ends();
-  // A joint that is in its mode here gets its first set-point in this turn.
+  // A joint that is in its mode by now gets its first set-point in this cycle.
   send(stream_.modes(now_));
   send(stream_.points(now_));
   if (power_.is_keep_alive_due(*now_.seen.state)) send({client::SetPointFrame{}});
   return broken;
 }
 
-/// The bench has dropped the set-points that wait, or holds where they end.
-/// @return the trajectories that end with it.
+/// Ends all plans: the bench has dropped the waiting set-points, or holds at their end.
+/// @return the trajectories that end with this.
 BrokenTrajectories BenchMotion::end_all(const std::string& reason) {
   BrokenTrajectories broken;
   for (JointPlan& plan : plans_) {
@@ -198,8 +199,8 @@ void BenchMotion::check_commands() {
   }
 }
 
-/// A bench that has passed the last set-point that it received stays at it: what follows starts
-/// there.
+/// If a bench has run past the last set-point that it received, it holds there: new motion starts
+/// from there.
 BrokenTrajectories BenchMotion::catch_up() {
   BrokenTrajectories broken;
   if (!stream_.is_running() || now_.tick() <= stream_.sent_until()) return broken;
@@ -215,8 +216,8 @@ BrokenTrajectories BenchMotion::catch_up() {
   return broken;
 }
 
-/// A bench that is late to receive the last set-points of a motion refuses them, and the drive
-/// stays before its goal: it gets them again.
+/// If the last set-points of a motion arrive too late, the bench refuses them and the drive stops
+/// short of its goal: they are sent again.
 void BenchMotion::check_ends() {
   for (std::size_t i = 0; i < plans_.size(); ++i) {
     if (plans_[i].duty() == Duty::none) continue;
@@ -232,7 +233,7 @@ void BenchMotion::check_ends() {
   }
 }
 
-/// @return why a joint with a plan cannot be moved; empty when all can.
+/// @return why a joint with a plan cannot be moved; empty if all can.
 std::string BenchMotion::first_obstacle() const {
   for (std::size_t i = 0; i < plans_.size(); ++i) {
     if (plans_[i].duty() == Duty::none) continue;
@@ -242,7 +243,7 @@ std::string BenchMotion::first_obstacle() const {
   return {};
 }
 
-/// @return the joints that velocity or effort move and that can be commanded.
+/// @return the joints moved by velocity or effort that can be commanded.
 std::vector<std::size_t> BenchMotion::free_joints() const {
   std::vector<std::size_t> joints;
   for (std::size_t i = 0; i < plans_.size(); ++i) {
@@ -251,7 +252,8 @@ std::vector<std::size_t> BenchMotion::free_joints() const {
   return joints;
 }
 
-/// Positions end by themselves; a velocity or an effort would stay in force without a plan.
+/// Position motions end without a command; a velocity or an effort would stay in force without a
+/// plan.
 void BenchMotion::brake_joints(const std::vector<std::size_t>& joints, const std::string& reason) {
   for (const std::size_t place : joints) {
     plans_[place].run(now_.joint(place), Duty::velocity, 0.0);

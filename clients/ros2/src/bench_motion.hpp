@@ -27,19 +27,20 @@ struct BrokenTrajectory {
 
 using BrokenTrajectories = std::vector<BrokenTrajectory>;
 
-/// Moves the joints of one bench: takes commands and trajectories for them, and in each turn sees
-/// to the state of the bench, its power, the plans of its joints and their set-points, in this
-/// order. It ends or changes plans where the bench was lost, no command came in time, or set-points
-/// came too late. For one thread.
+/// Moves the joints of one bench: takes commands and trajectories for them, and in each cycle
+/// handles, in this order, the state of the bench, its power, the plans of its joints and their
+/// set-points. Ends or changes plans if the bench was lost, no command arrived in time, or
+/// set-points were too late. For one thread.
 class BenchMotion {
  public:
   using Clock = std::chrono::steady_clock;
 
-  /// Sends set-points to the bench. @return what went wrong.
+  /// Sends set-points to the bench.
+  /// @return the outcome.
   using Send = std::function<client::Outcome(const SetPointStream::Frames& frames)>;
 
   /// @param session that commands the axes
-  /// @param bench outlives this, as `reports` does
+  /// @param bench must outlive this, like `reports`
   /// @param command_timeout [s] after which a joint without a command brakes; 0 = never
   BenchMotion(std::uint64_t session, Bench& bench, bridge::Reports& reports, double command_timeout,
               Send send);
@@ -51,29 +52,29 @@ class BenchMotion {
 
   [[nodiscard]] BenchPower& power() noexcept { return power_; }
 
-  /// @return whether no axis that this session holds is enabled.
+  /// @return whether no axis held by this session is enabled.
   [[nodiscard]] bool is_disabled() const;
 
-  /// @return why no trajectory can begin with the joint now; empty when one can.
+  /// @return why no trajectory can start with the joint now; empty if one can.
   [[nodiscard]] std::string trajectory_obstacle(std::size_t place) const;
 
   // ---- commands
 
-  /// Carries out a command, or reports why not.
+  /// Carries out a command, or reports why it cannot.
   void command(const JointCommand& command);
 
-  /// Brakes the joints that velocity or effort move.
+  /// Brakes the joints that are moved by velocity or effort.
   void stop_free_joints(const std::string& reason);
 
-  /// @param wanted a later tick, taken when it is near and no set-points are on their way
-  /// @return the last tick that set-points were sent for: a new path begins there. Only with a
+  /// @param wanted a later tick, used if it is near and no set-points are in flight
+  /// @return the last tick for which set-points were sent: a new path starts there. Requires a
   ///         state.
   [[nodiscard]] std::uint64_t begin_tick(std::uint64_t wanted = 0);
 
-  /// @return how the joint moves in the begin_tick(). Only without an obstacle.
+  /// @return the motion of the joint in begin_tick(). Requires that there is no obstacle.
   [[nodiscard]] JointMotion motion(std::size_t place) const;
 
-  /// Starts a path at `begin`, which is the begin_tick().
+  /// Starts a path at `begin`, which must be begin_tick().
   /// @param number of the trajectory
   void follow(std::size_t place, std::shared_ptr<const JointPath> path, std::uint64_t begin,
               std::uint64_t number);
@@ -81,7 +82,7 @@ class BenchMotion {
   /// Brakes the joints that follow this trajectory.
   void brake(std::uint64_t number);
 
-  /// @return what the joints do, in their order.
+  /// @return the duties of the joints, in their order.
   [[nodiscard]] std::vector<Duty> duties() const;
 
   /// @return the number of the trajectory that the joint follows, 0 = none.
@@ -92,15 +93,16 @@ class BenchMotion {
   /// @return whether a joint follows this trajectory.
   [[nodiscard]] bool follows(std::uint64_t number) const;
 
-  // ---- each turn
+  // ---- each cycle
 
-  /// Takes the state of the bench and sends what is due. @return the trajectories that ended early.
+  /// Takes over the state of the bench and sends what is due.
+  /// @return the trajectories that ended early.
   BrokenTrajectories update(Clock::time_point now);
 
-  /// @return the state that the last update() took; none while the bench sends no status.
+  /// @return the state used by the last update(); null while the bench sends no status.
   [[nodiscard]] const Bench::State& state() const noexcept { return now_.seen.state; }
 
-  /// @return whether set-points have to be sent again soon.
+  /// @return whether further set-points must be sent soon.
   [[nodiscard]] bool is_busy() const { return stream_.is_running(); }
 
  private:
@@ -126,15 +128,14 @@ class BenchMotion {
   BenchNow now_;
 };
 
-/// @return what keeps `session` from commanding the axis, as words that follow the name of the
-/// joint;
-///         empty when nothing does.
-/// @param has_limits whether those of its joint were read
+/// @return what prevents `session` from commanding the axis, as words that follow the name of the
+///         joint; empty if nothing does.
+/// @param has_limits whether the limits of the joint were read
 /// @param names of other sessions, or nullptr
 [[nodiscard]] std::string obstacle_of(const client::AxisSnapshot& axis, std::uint64_t session,
                                       bool has_limits, const Bench::Names* names);
 
-/// @return which limit the value of a command breaks, in the same form.
+/// @return which limit the value of a command violates, in the same form.
 [[nodiscard]] std::string problem_of(const JointCommand& command, const ServedJoint& joint,
                                      const JointLimits& limits);
 

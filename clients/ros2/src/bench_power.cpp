@@ -14,16 +14,16 @@ namespace {
 
 using bridge::Severity;
 
-// A frame with words may be lost or refused, and a drive may answer them with another state. Half
-// a second is long for a drive, and short for the person who waits.
+// A frame with controlwords may be lost or refused, and a drive may answer with another state. Half
+// a second is long for a drive and short for a waiting operator.
 constexpr std::chrono::milliseconds kRepeatWords{500};
 
-// Five seconds of attempts: what keeps a drive from its power then has to be said.
+// Five seconds of attempts: after that, report what prevents the drive from powering on.
 constexpr int kMostAttempts = 10;
 
-// In lock-step the watchdog of a bench counts drive time, which the session's own keep-alive does
-// not know. The watchdog allows 500 ms unless
-// the bench is configured: a step of some ten ticks must not use that up.
+// In lock-step the watchdog of a bench counts drive time, of which the session's own keep-alive
+// knows nothing. The watchdog allows 500 ms unless configured otherwise: a step of some ten ticks
+// must not use that up.
 constexpr double kKeepAlive = 0.02;  // [s] of drive time
 
 bool is_enabled(const client::AxisSnapshot& axis) {
@@ -42,7 +42,7 @@ BenchPower::BenchPower(std::uint64_t session, Bench& bench, bridge::Reports& rep
 void BenchPower::want_enabled(bool wanted, bool resets_faults) {
   wants_enabled_ = wanted;
   resets_faults_ = wanted && resets_faults;
-  // Else words may be on their way, and the newest state older than they are.
+  // Otherwise controlwords may be in flight, and the newest state older than they are.
   if (wanted) {
     to_enable_.assign(to_enable_.size(), true);
     words_due_ = {};
@@ -84,7 +84,7 @@ BenchPower::Frames BenchPower::words(const client::Observation& state, Clock::ti
   return {};
 }
 
-/// Words that were sent before it was wanted no more: an axis that was given back before they act
+/// Accounts for controlwords sent before enabling was cancelled: an axis released before they act
 /// would be enabled without a master. Most act within a tick or two.
 void BenchPower::forget_old_words(const client::Observation& state, Clock::time_point now) {
   for (std::size_t i = 0; i < to_enable_.size(); ++i) {
@@ -93,7 +93,7 @@ void BenchPower::forget_old_words(const client::Observation& state, Clock::time_
 }
 
 BenchPower::Frames BenchPower::enable(const client::Observation& state, Clock::time_point now) {
-  // One time a tick: the newest state would show the same, and the words be sent twice.
+  // Once per tick: the newest state would be the same, and the controlwords would be sent twice.
   if (now < words_due_ || state.tick == words_tick_) return {};
   Frames frames;
   for (std::size_t i = 0; i < to_enable_.size(); ++i) {
@@ -101,20 +101,22 @@ BenchPower::Frames BenchPower::enable(const client::Observation& state, Clock::t
     const bool is_hopeless = axis.state() == PowerState::fault && !resets_faults_;
     if (is_enabled(axis) || is_hopeless) to_enable_[i] = false;
     if (!to_enable_[i]) continue;
-    // A drive without transition 16 stays where it is: at rest it may take the way without power.
+    // A drive without transition 16 does not react: at rest, it may be enabled by way of a state
+    // without power.
     const bool keeps_power = attempts_ == 0 || axis.status.velocity_demand_value != 0;
     auto points =
         client::set_points_to(client::EachCommand::enable, axis,
                               {.resets_fault = resets_faults_, .keeps_power = keeps_power});
-    // An axis that keeps its power may still brake: another mode would brake it in another way.
+    // An axis that keeps its power may still be braking, and a change of mode would change how it
+    // brakes.
     const bool keeps_mode = axis.state() == PowerState::quick_stop_active && keeps_power;
     if (!points.empty() && !keeps_mode) put_mode(i, points.back());
-    frames.resize(std::max(frames.size(), points.size()));  // some have a longer way than others
+    frames.resize(std::max(frames.size(), points.size()));  // some need more words than others
     for (std::size_t n = 0; n < points.size(); ++n) {
       frames[n].axes.push_back(std::move(points[n]));
     }
   }
-  resets_faults_ = false;  // a fault that comes back is for a person
+  resets_faults_ = false;  // a fault that recurs needs a person
   if (frames.empty()) return {};
   if (++attempts_ > kMostAttempts) {
     to_enable_.assign(to_enable_.size(), false);
@@ -126,8 +128,8 @@ BenchPower::Frames BenchPower::enable(const client::Observation& state, Clock::t
   return frames;
 }
 
-/// Some drives take another mode before they have power only (5E20h:05). It comes with the last
-/// word, in Switched on: some do not take it in a fault either.
+/// Some drives change their mode only when they have no power (5E20h:05). The mode is sent with the
+/// last controlword, in Switched on, because some drives do not accept it in a fault either.
 void BenchPower::put_mode(std::size_t place, client::SetPoint& last) const {
   const auto interface = bench_.joints()[place].interface.value_or(CommandInterface::position);
   const client::SetPoint point = begin_stream(last.axis, mode_of(interface));
@@ -137,7 +139,7 @@ void BenchPower::put_mode(std::size_t place, client::SetPoint& last) const {
 
 BenchPower::Frames BenchPower::disable(const client::Observation& state) {
   if (state.tick == words_tick_) return {};
-  // Set-points that wait for their tick must not act after the word.
+  // Set-points waiting for their tick must not act after the controlword.
   client::SetPointFrame frame{.drops_waiting = true};
   for (std::size_t i = 0; i < state.axes.size(); ++i) {
     const client::AxisSnapshot& axis = state.axes[i];
@@ -155,7 +157,7 @@ bool BenchPower::is_keep_alive_due(const client::Observation& state) {
                          std::ranges::any_of(state.axes, [this](const auto& axis) {
                            return axis.owner_session == session_;
                          });
-  // Without its sign: a bench that counts from a lower number waits for its master as well.
+  // Absolute value: a bench that counts from a lower number also waits for its master.
   const double passed =
       (static_cast<double>(state.tick) - static_cast<double>(kept_alive_at_)) * bench_.period();
   if (!is_needed || std::abs(passed) < kKeepAlive) return false;

@@ -13,34 +13,33 @@
 namespace vdrive::ros2 {
 
 /// Enables the axes of a bench in the modes of their joints, disables those that it has enabled,
-/// and keeps the bench informed that their master lives. Time is an argument. For one thread.
+/// and sends the bench keep-alives. Time is passed as an argument. For one thread.
 class BenchPower {
  public:
   using Clock = std::chrono::steady_clock;
   using Frames = std::vector<client::SetPointFrame>;
 
   /// @param session that commands the axes
-  /// @param bench outlives this, as `reports` does
+  /// @param bench must outlive this, like `reports`
   BenchPower(std::uint64_t session, Bench& bench, bridge::Reports& reports);
 
   /// Takes control and enables all axes, or disables those that it has enabled.
-  /// @param resets_faults also of axes in a fault, once
+  /// @param resets_faults also enables axes in a fault, once
   void want_enabled(bool wanted, bool resets_faults);
 
   [[nodiscard]] bool wants_enabled() const noexcept { return wants_enabled_; }
 
-  /// @return whether no axis that the session holds is enabled, or about to be by words that were
-  ///         sent.
+  /// @return whether no axis held by the session is enabled, or about to be by controlwords in
+  ///         flight.
   [[nodiscard]] bool is_disabled(const client::Observation& state) const;
 
-  /// Reports axes that have got into a fault since the last call.
+  /// Reports axes that have gone into a fault since the last call.
   void report_faults(const client::Observation& state);
 
-  /// @return the words that are due, in this order.
+  /// @return the controlwords that are due, in order.
   [[nodiscard]] Frames words(const client::Observation& state, Clock::time_point now);
 
-  /// @return whether the bench has to hear from its master now: in realtime the session does that
-  ///         itself.
+  /// @return whether the bench needs a keep-alive now: in realtime the session sends them itself.
   [[nodiscard]] bool is_keep_alive_due(const client::Observation& state);
 
  private:
@@ -54,9 +53,9 @@ class BenchPower {
   bridge::Reports& reports_;
   bool wants_enabled_ = false;
   bool resets_faults_ = false;
-  bool has_to_give_back_ = false;  ///< the axes, once none of them is enabled
-  /// Axes that have not been enabled since it was wanted; when it is wanted no more, those to which
-  /// words are on their way.
+  bool has_to_give_back_ = false;  ///< release the axes once none of them is enabled
+  /// Axes not enabled since that was wanted; once it is no longer wanted, those with controlwords
+  /// in flight.
   std::vector<bool> to_enable_;
   std::vector<bool> was_in_fault_;
   int attempts_ = 0;

@@ -17,11 +17,11 @@
 
 namespace vdrive::ros2 {
 
-/// What is published of a bench: its newest state, after the set-points for the ticks after it
-/// were sent.
+/// The published data of a bench: its newest state, once the set-points for the following ticks
+/// have been sent.
 struct BenchView {
-  std::shared_ptr<const Bench> bench{};  ///< its joints; none where the bridge does not serve it
-  Bench::State state{};                  ///< none while the bench sends no status
+  std::shared_ptr<const Bench> bench{};  ///< its joints; null if the bridge does not serve it
+  Bench::State state{};                  ///< null while the bench sends no status
   Bench::Limits limits{};
   std::shared_ptr<const Bench::Names> names{};
   std::vector<Duty> duties{};
@@ -30,12 +30,12 @@ struct BenchView {
   std::string problem{};      ///< why the bridge does not serve the bench; empty = it does
 };
 
-/// Hands the views over from the thread that commands to the one that publishes.
+/// Passes the views from the commanding thread to the publishing one.
 class Board {
  public:
   using Views = std::map<std::uint32_t, BenchView>;
 
-  /// @param is_urgent whether the publisher is woken; else it looks at its own times
+  /// @param is_urgent whether to wake the publisher; otherwise it checks at its own times
   void put(Views views, bool is_urgent) {
     const std::scoped_lock lock(mutex_);
     views_ = std::move(views);

@@ -19,7 +19,7 @@ wire::NetworkSettings network_of(const Settings& settings) {
           .discovery_servers = session.discovery_servers};
 }
 
-/// @return what puts messages with their writer into `inbox`.
+/// @return a function that puts messages and their writers into `inbox`.
 auto to_inbox(Inbox& inbox) {
   return [&inbox](const auto& message, const wire::WriterId& writer) {
     inbox.put({.writer = writer, .message = message});
@@ -61,7 +61,7 @@ void Bridge::report_library(const std::string& words) {
 }
 
 Bridge::~Bridge() {
-  // The session ends after the reports that its observer uses.
+  // Otherwise the session would end after the reports that its observer uses.
   session_.on_event({});
 }
 

@@ -7,19 +7,19 @@
 
 namespace vdrive::ros2 {
 
-/// The whole bridge: one session for the benches, one participant for ROS.
+/// The complete bridge: one session for the benches, one participant for ROS.
 class Bridge {
  public:
-  /// @throws std::runtime_error when DDS cannot be set up.
+  /// @throws std::runtime_error if DDS cannot be set up.
   explicit Bridge(const Settings& settings);
   ~Bridge();
   Bridge(const Bridge&) = delete;
   Bridge& operator=(const Bridge&) = delete;
 
-  /// @return the number of its session, which an axis shows as its owner.
+  /// @return the number of its session, shown as the owner of axes.
   [[nodiscard]] std::uint64_t session() const noexcept { return session_.id(); }
 
-  /// Reports what the log of the DDS library says. Any thread but those that receive.
+  /// Reports a message from the log of the DDS library. Any thread except those that receive.
   void report_library(const std::string& words);
 
  private:
@@ -34,7 +34,7 @@ class Bridge {
   ros::Subscription<ros::JointState> commands_;
   ros::Subscription<ros::JointTrajectory> trajectories_;
   ros::Subscription<ros::Bool> enable_;
-  // Declared after everything that it uses: it ends first, and disables the axes as it ends.
+  // Declared after everything that it uses: it is destroyed first, and disables the axes then.
   Controller controller_;
   JointPublisher publisher_;
 };

@@ -15,10 +15,10 @@ namespace {
 using bridge::Severity;
 using std::chrono::milliseconds;
 
-// While positions are on their way a turn sends the next ones: the shortest lead is 8 ms.
+// While positions are being streamed, each cycle sends the next ones: the shortest lead is 8 ms.
 constexpr milliseconds kBusyTurn{2};
-constexpr milliseconds kTurn{5};  // a message wakes it before
-// A service manager and a person with Ctrl-C wait for the end; a bench may be away.
+constexpr milliseconds kTurn{5};  // a message wakes it earlier
+// A service manager and a user with Ctrl-C wait for the end; a bench may be away.
 constexpr std::chrono::seconds kEnd{2};
 
 }  // namespace
@@ -51,7 +51,7 @@ std::vector<client::BenchInfo> Controller::present_benches() {
 }
 
 std::unique_ptr<FollowedBench> Controller::connect(Bench& bench) {
-  // In lock-step a step waits for the set-points; elsewhere the next turn is near.
+  // In lock-step a step waits for the set-points; otherwise the next cycle is near.
   const bool is_urgent = bench.info().clock_mode == client::ClockMode::lockstep;
   return std::make_unique<FollowedBench>(session_, bench, reports_, [this, is_urgent] {
     if (is_urgent) inbox_.wake();
@@ -80,15 +80,15 @@ void Controller::run(const std::stop_token& stop) {
 
 void Controller::turn() {
   const Clock::time_point now = Clock::now();
-  // Benches before messages: a command may name a joint of the bench that came just now.
+  // Benches before messages: a command may name a joint of a bench that has just appeared.
   benches_.find(now);
   handle_messages();
   ask(now);
-  update(now);  // before a start: it is planned from the newest state
+  update(now);  // before a start, which is planned from the newest state
   trajectories_.start_due();
-  update(now);  // sends the first set-points of what has started
+  update(now);  // sends the first set-points of started trajectories
   trajectories_.forget_ended();
-  // Last: who sees the state of a tick finds that the set-points after it were sent.
+  // Last, so that when the state of a tick is visible, the set-points after it have been sent.
   board_.put(benches_.views(), benches_.any_in_lockstep());
 }
 
@@ -101,7 +101,7 @@ void Controller::update(Clock::time_point now) {
   trajectories_.break_off(broken);
 }
 
-/// Without a master an axis must not stay enabled.
+/// An axis must not stay enabled without a master.
 void Controller::end() {
   for (auto& [number, bench] : benches_.all()) bench.motion->power().want_enabled(false, false);
   const Clock::time_point deadline = Clock::now() + kEnd;
@@ -148,7 +148,7 @@ void Controller::handle(const ros::JointState& message, const wire::WriterId& wr
     reports_.report(Severity::warning, "joint commands", problem + ": the command is ignored");
     return;
   }
-  // Without a bench that has a time nobody knows whether the stamp is good.
+  // Without a bench that has a time, the stamp cannot be judged.
   const bool is_judged = std::ranges::any_of(numbers, [this](std::uint32_t bench) {
     return benches_.time_of(bench).has_value();
   });
@@ -164,7 +164,7 @@ void Controller::handle(const ros::JointTrajectory& message, const wire::WriterI
 
 void Controller::handle(const ros::Bool& message, const wire::WriterId& /*writer*/) {
   const bool is_enabled = message.data;
-  // A person begins again: a stamp from a wrong clock must not lock a writer out for ever.
+  // Enabling is a new start: a stamp from a wrong clock must not lock out a writer for ever.
   command_stamps_.clear();
   trajectories_.note_enable(is_enabled);
   reports_.report(Severity::info, "enable", is_enabled ? "true" : "false");
@@ -176,7 +176,7 @@ void Controller::ask(Clock::time_point now) {
   drops_.report(participant_.guard_counts(), now);
 }
 
-/// A velocity or an effort stays in force: nobody is left who would end it.
+/// A velocity or an effort would stay in force with nobody left to end it.
 void Controller::note_writers(std::size_t writers) {
   if (writers == 0 && had_writers_) {
     for (auto& [number, bench] : benches_.all()) {

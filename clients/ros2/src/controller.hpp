@@ -20,20 +20,19 @@
 
 namespace vdrive::ros2 {
 
-/// Commands the benches: takes the messages of ROS, in a thread of its own that never waits for a
-/// bench.
+/// Commands the benches: processes ROS messages on a separate thread that never waits for a bench.
 class Controller final : private BenchAccess {
  public:
-  /// @param session outlives the controller, as the others do
-  /// @param inbox gives it the messages
-  /// @param commands when the last node that writes them ends, joints that velocity or effort move
+  /// @param session must outlive the controller, like the others
+  /// @param inbox source of the messages
+  /// @param commands when the last node that writes them ends, joints moved by velocity or effort
   ///        brake
-  /// @param participant of ROS, whose guard counts what it refuses
+  /// @param participant of ROS; its guard counts the datagrams that it refuses
   Controller(client::Session& session, const Settings& settings, bridge::Reports& reports,
              Inbox& inbox, Board& board, const ros::Subscription<ros::JointState>& commands,
              const wire::Participant& participant);
 
-  /// Disables the axes that it has enabled, as far as that is possible within two seconds.
+  /// Disables the axes that it has enabled, as far as possible within two seconds.
   ~Controller() override;
   Controller(const Controller&) = delete;
   Controller& operator=(const Controller&) = delete;

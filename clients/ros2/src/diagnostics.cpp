@@ -17,7 +17,7 @@ namespace {
 
 using ros::DiagnosticStatus;
 
-// Of diagnostic_msgs/DiagnosticStatus.
+// Levels of diagnostic_msgs/DiagnosticStatus.
 constexpr std::byte kOk{0};
 constexpr std::byte kWarn{1};
 constexpr std::byte kError{2};
@@ -30,7 +30,7 @@ void add(DiagnosticStatus& status, const char* key, std::string value) {
   status.values.push_back(std::move(pair));
 }
 
-/// @return who controls the axes of a bench, for a reader of the diagnostics.
+/// @return the name of the controller of the axes of a bench, for the diagnostics.
 std::string control_of(const BenchView& view) {
   if (const auto owner = bridge::other_owner(view.state->axes, view.session))
     return owner_text(*owner, view.names.get());
@@ -43,7 +43,7 @@ DiagnosticStatus bench_status(const BenchView& view, const std::string& network)
   status.hardware_id = view.bench->info().name;
   status.level = view.state ? kOk : kStale;
   status.message = view.state ? "running" : "sends no status";
-  // Of a bench that is left out the reason counts.
+  // For a bench that is left out, show the reason.
   if (!view.problem.empty()) {
     status.level = kError;
     status.message = view.problem;

@@ -8,13 +8,13 @@
 
 namespace vdrive::ros2 {
 
-/// @return a status for each bench and each of its joints.
+/// @return one status per bench and per joint.
 /// @param network "loopback only", or the addresses that the bridge uses
 [[nodiscard]] ros::DiagnosticArray diagnostics_of(const Board::Views& views,
                                                   const std::string& network);
 
-/// @return the levels and messages of these diagnostics: when they change, readers get them at
-///         once.
+/// @return the levels and messages of these diagnostics: when they change, they are published
+///         immediately.
 [[nodiscard]] std::string levels_of(const Board::Views& views);
 
 }  // namespace vdrive::ros2

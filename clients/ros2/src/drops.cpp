@@ -10,10 +10,10 @@ namespace {
 
 using bridge::Severity;
 
-// A flood of datagrams is one line a second.
+// A flood of datagrams is reported once per second.
 constexpr std::chrono::seconds kPeriod{1};
 
-/// @return the number between the first pair of quotes after `begin`, which is moved past it.
+/// @return the text between the first pair of quotes after `begin`, which is moved past it.
 std::optional<std::string_view> next_quoted(std::string_view words, std::size_t& begin) {
   const std::size_t first = words.find('\'', begin);
   if (first == std::string_view::npos) return std::nullopt;
@@ -44,7 +44,7 @@ void Drops::report(const wire::GuardCounts& counts, Clock::time_point now) {
 }
 
 std::string dropped_message(const std::string& words) {
-  // The library says it in these words and has no other way to tell; unknown words are kept.
+  // The library reports this only in these words; other words are kept unchanged.
   constexpr std::string_view kTooLarge = "Change payload size of";
   std::size_t place = 0;
   if (!words.starts_with(kTooLarge)) return words;

@@ -9,14 +9,14 @@
 
 namespace vdrive::ros2 {
 
-/// Reports what does not reach the bridge: datagrams that the guard refuses.
+/// Reports datagrams that do not reach the bridge because the guard refuses them.
 class Drops {
  public:
   using Clock = std::chrono::steady_clock;
 
   explicit Drops(bridge::Reports& reports) : reports_(reports) {}
 
-  /// Reports what was refused since the last report, at most once a second.
+  /// Reports what was refused since the last report, at most once per second.
   /// @param counts of the participant
   void report(const wire::GuardCounts& counts, Clock::time_point now);
 
@@ -26,8 +26,8 @@ class Drops {
   Clock::time_point due_{};
 };
 
-/// @param words of the log of the DDS library
-/// @return the same for a person where it says that a message is larger than its reader takes.
+/// @param words a message from the log of the DDS library
+/// @return a readable form of it if it says that a message is larger than its reader accepts.
 [[nodiscard]] std::string dropped_message(const std::string& words);
 
 }  // namespace vdrive::ros2

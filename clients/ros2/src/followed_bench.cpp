@@ -11,7 +11,7 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-// Other programs change the limits of a drive, and no event tells.
+// Other programs may change the limits of a drive, without any event.
 constexpr std::chrono::seconds kReadAgainAfter{2};
 
 }  // namespace
@@ -29,8 +29,8 @@ FollowedBench::FollowedBench(client::Session& session, Bench& bench, bridge::Rep
 void FollowedBench::on_open(const client::BenchInfo& /*info*/,
                             const std::vector<client::Axis>& axes) {
   axes_ = axes;
-  // The limits before the state: with the state the joints can be commanded. A request that waits
-  // still waits: its number is not known here.
+  // The limits before the state, because the joints can be commanded once there is a state. A
+  // waiting request keeps waiting: its number is not known here.
   read_limits(bench_.seen().limits_read);
 }
 
@@ -53,7 +53,7 @@ void FollowedBench::before_turn(bridge::BenchLink& link) {
   if (wishes.control == ControlWish::give_back) (void)session_.release(bench_.info().number);
 }
 
-/// Without waiting: a name that comes late is there with a later state.
+/// Does not wait: a name that arrives late is shown with a later state.
 void FollowedBench::learn_names(const client::Observation& observation) {
   const std::uint64_t own = session_.id();
   std::uint64_t last = 0;  // most axes have the same owner
@@ -68,7 +68,7 @@ void FollowedBench::learn_names(const client::Observation& observation) {
   }
 }
 
-/// @param request the one that these values answer; a later one has them read again
+/// @param request the one answered by these values; a later one has them read again
 void FollowedBench::read_limits(std::uint64_t request) {
   limits_due_ = Clock::now() + kReadAgainAfter;
   auto limits = ros2::read_limits(axes_, bench_.joints());

@@ -11,11 +11,11 @@
 
 namespace vdrive::ros2 {
 
-/// The link that a Bench has: shows it states, limits and names of owners, and does what it wishes.
+/// The link of a Bench: passes it states, limits and names of owners, and carries out its wishes.
 class FollowedBench final : public bridge::BenchAdapter {
  public:
-  /// @param session outlives this, as `bench` and `reports` do
-  /// @param notify runs in the thread of the link when there is a new state
+  /// @param session must outlive this, like `bench` and `reports`
+  /// @param notify called on the thread of the link when there is a new state
   FollowedBench(client::Session& session, Bench& bench, bridge::Reports& reports,
                 std::function<void()> notify);
 

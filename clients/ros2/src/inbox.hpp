@@ -17,27 +17,27 @@ namespace vdrive::ros2 {
 
 using Message = std::variant<ros::JointState, ros::JointTrajectory, ros::Bool>;
 
-/// A message of ROS, and who wrote it.
+/// A ROS message and its writer.
 struct Received {
   wire::WriterId writer;
   Message message;
 };
 
-/// Brings messages from the threads of DDS to the one that commands, and wakes it. Thread-safe.
+/// Passes messages from the DDS threads to the commanding thread, and wakes it. Thread-safe.
 class Inbox {
  public:
-  /// Messages that wait at most: more than half a second of commands at 100 Hz. A trajectory may
-  /// have 4 MB.
+  /// Most waiting messages: more than half a second of commands at 100 Hz. A trajectory may have 4
+  /// MB.
   static constexpr std::size_t kMostMessages = 64;
 
-  /// What has arrived.
+  /// The messages that have arrived.
   struct Content {
     std::deque<Received> messages;
-    std::uint64_t dropped = 0;  ///< messages that found no room since the last take()
+    std::uint64_t dropped = 0;  ///< messages dropped since the last take()
   };
 
-  /// Does not wait. When it is full the oldest message is dropped and counted: the newest command
-  /// is the one that counts.
+  /// Does not wait. When it is full, the oldest message is dropped and counted, because the newest
+  /// command is the one that matters.
   void put(Received received);
 
   void wake();
@@ -52,7 +52,7 @@ class Inbox {
   std::condition_variable_any woken_;
   bool is_woken_ = false;
   BoundedQueue<Received> messages_{kMostMessages, WhenFull::drops_oldest};
-  std::uint64_t reported_ = 0;  ///< of those that were dropped
+  std::uint64_t reported_ = 0;  ///< number of dropped messages already reported
 };
 
 }  // namespace vdrive::ros2

@@ -17,7 +17,7 @@ namespace {
 
 using namespace vdrive::literals;
 
-// What 607Ah can count to [UU].
+// The range of 607Ah [UU].
 constexpr double kLowestPosition = std::numeric_limits<std::int32_t>::min();
 constexpr double kHighestPosition = std::numeric_limits<std::int32_t>::max();
 
@@ -64,8 +64,8 @@ std::optional<JointLimits> limits_of(const client::Axis& axis, const ServedJoint
   const double lower = real("user_position_lower_limit"_object);
   const double upper = real("user_position_upper_limit"_object);
   const bool has_limits = real("app_position_limit_switch"_object) != 0.0 && lower < upper;
-  // On a modulo axis 6062h shows the end of a motion inside of the range only: beyond it the bridge
-  // would take the axis for one that has not arrived.
+  // On a modulo axis, 6062h shows the end of a motion only within the range: beyond it, the bridge
+  // would consider the axis as not arrived.
   const double first = real("min_position_range_limit"_object);
   const double end = real("max_position_range_limit"_object);
   const bool has_range = first < end;

@@ -10,18 +10,18 @@
 namespace vdrive::ros2 {
 namespace {
 
-// Rounding of a calculation, relative to a limit: a program that plans up to the very limit is not
-// refused for it.
+// Rounding tolerance relative to a limit: a program that plans exactly up to the limit must not be
+// refused.
 constexpr double kRoom = 1e-9;
 
-/// @return the text of a limit that is broken.
+/// @return the text about a violated limit.
 std::string broken(const char* what, double value, const std::string& unit, double time,
                    double limit) {
   return std::string(what) + " " + text_of(value) + " " + unit + " at " + text_of(time) +
          " s is beyond the limit " + text_of(limit) + " " + unit;
 }
 
-/// Also true where a calculation gave no number.
+/// Also true if the computation gave NaN.
 bool is_above(double value, double limit) noexcept {
   return !(value <= limit + kRoom * std::max(1.0, std::abs(limit)));
 }
@@ -67,10 +67,10 @@ Polynomial derivative(const Polynomial& polynomial) noexcept {
 }
 
 Extremes extremes(const Polynomial& polynomial, double length) noexcept {
-  // The slope of a quintic has up to four zeros. Two that lie in one part are not seen: the value
-  // between them hardly differs from those at the ends of the part.
+  // The derivative of a quintic has up to four zeros. Two in the same part are missed: the value
+  // between them hardly differs from the values at the ends of the part.
   constexpr int kParts = 64;
-  constexpr int kHalvings = 50;  // 2^-50 of a part is below the rounding of a time
+  constexpr int kHalvings = 50;  // 2^-50 of a part is below the rounding error of a time
   Extremes found{value(polynomial, 0.0), 0.0, value(polynomial, 0.0), 0.0};
   const auto take = [&](double time) {
     const double here = value(polynomial, time);
@@ -94,8 +94,8 @@ Extremes extremes(const Polynomial& polynomial, double length) noexcept {
 }
 
 bool is_calculable(const Polynomial& polynomial, double length) noexcept {
-  // Far from 1.8e308: also the coefficients of the derivatives, up to 20 times as large, stay
-  // numbers.
+  // Far from 1.8e308, so that the coefficients of the derivatives, up to 20 times as large, stay
+  // finite.
   constexpr double kLargest = 1e200;
   Polynomial sizes{};
   for (std::size_t i = 0; i < sizes.size(); ++i) sizes[i] = std::abs(polynomial[i]);
@@ -155,7 +155,7 @@ JointMotion JointPath::at(double time) const noexcept {
 
 std::optional<std::string> JointPath::check_position(const Piece& piece, const JointLimits& limits,
                                                      const std::string& unit) const {
-  // A joint beyond a limit may come back: it must not go further.
+  // A joint beyond a limit may return, but must not go further.
   const double start = value(pieces_.front().position, 0.0);
   const Extremes way = extremes(piece.position, piece.end - piece.begin);
   if (is_above(way.high, std::max(limits.upper, start))) {

@@ -14,10 +14,10 @@ namespace vdrive::ros2 {
 
 inline constexpr std::size_t kCoefficients = 6;
 
-/// A polynomial of the fifth degree at most: coefficients of the rising powers of the time.
+/// A polynomial of at most the fifth degree: coefficients of rising powers of time.
 using Polynomial = std::array<double, kCoefficients>;
 
-/// The lowest and the highest value of a polynomial within a time, and when.
+/// The lowest and the highest value of a polynomial in an interval, and their times.
 struct Extremes {
   double low = 0.0;
   double low_time = 0.0;
@@ -25,8 +25,8 @@ struct Extremes {
   double high_time = 0.0;
 };
 
-/// @return the polynomial that goes from one motion to the other in `length` [s]: the cubic one has
-///         their positions and velocities, the quintic one their accelerations too.
+/// @return the polynomial that leads from one motion to another in `length` [s]: the cubic one
+///         matches their positions and velocities, the quintic one also their accelerations.
 [[nodiscard]] Polynomial cubic(const JointMotion& from, const JointMotion& to,
                                double length) noexcept;
 [[nodiscard]] Polynomial quintic(const JointMotion& from, const JointMotion& to,
@@ -38,38 +38,39 @@ struct Extremes {
 /// @return the extremes within [0, length].
 [[nodiscard]] Extremes extremes(const Polynomial& polynomial, double length) noexcept;
 
-/// Times and positions of a message may be any numbers.
+/// Times and positions in a message may be any numbers.
 /// @return whether every sum of the polynomial within [0, length] stays far below the largest
 ///         double.
 [[nodiscard]] bool is_calculable(const Polynomial& polynomial, double length) noexcept;
 
 /// A point of a trajectory for one joint.
 struct PathPoint {
-  double time = 0.0;  ///< [s] since the begin of the path
+  double time = 0.0;  ///< [s] since the start of the path
   double position = 0.0;
   std::optional<double> velocity{};
   std::optional<double> acceleration{};
 };
 
-/// The way of one joint through the points of a trajectory. Between two points that both have
+/// The path of one joint through the points of a trajectory. Between two points that both have
 /// velocity and acceleration it is a quintic polynomial, between two that both have a velocity a
-/// cubic one, else a straight line, as joint_trajectory_controller does it. A path of straight
-/// lines that begins in motion begins with a cubic one that ends with the speed of the next line.
+/// cubic one, otherwise a straight line, as in joint_trajectory_controller. A path of straight
+/// lines that starts in motion begins with a cubic one that ends with the speed of the next line.
 class JointPath {
  public:
-  /// @param start where the joint is at time 0, and how it moves
-  /// @param points at least one; their times rise, the first is above 0
+  /// @param start motion of the joint at time 0
+  /// @param points at least one; with increasing times, the first above 0
   JointPath(const JointMotion& start, std::span<const PathPoint> points);
 
-  /// @param time [s] since the begin; before it the start, after the end at rest at the last point
+  /// @param time [s] since the start; before it, returns the start, after the end, rest at the last
+  ///        point
   [[nodiscard]] JointMotion at(double time) const noexcept;
 
-  /// [s]
+  /// The duration [s].
   [[nodiscard]] double duration() const noexcept { return pieces_.back().end; }
 
-  /// Checks the extremes of every piece. A joint that begins beyond a position limit may return.
-  /// @return which limit the path would break first, such as "velocity 12 rad/s at 0.25 s is above
-  ///         the limit 10 rad/s"; nothing when it keeps all of them.
+  /// Checks the extremes of every piece. A joint that starts beyond a position limit may return.
+  /// @return the first limit that the path would violate, such as "velocity 12 rad/s at 0.25 s is
+  ///         above the limit 10 rad/s"; nothing if it keeps all of them.
   /// @param unit "rad" or "m"
   [[nodiscard]] std::optional<std::string> check(const JointLimits& limits,
                                                  const std::string& unit) const;
@@ -78,7 +79,7 @@ class JointPath {
   struct Piece {
     double begin = 0.0;  ///< [s]
     double end = 0.0;
-    Polynomial position{};  ///< of the time in the piece
+    Polynomial position{};  ///< over the time since the start of the piece
   };
 
   [[nodiscard]] std::optional<std::string> check_position(const Piece& piece,

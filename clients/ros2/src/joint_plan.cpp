@@ -12,23 +12,24 @@
 namespace vdrive::ros2 {
 namespace {
 
-// The line to a value takes longer than the interval of values: one that is late by this part of
-// the interval does not stop the joint.
+// The line to a value takes longer than the interval between values, so that a value that is late
+// by this part of the interval does not stop the joint.
 constexpr double kMargin = 0.5;
-constexpr double kShortestMargin = 0.004;  // [s] the delays of one machine
+constexpr double kShortestMargin = 0.004;  // [s] delays within one machine
 
-// Values that are further apart are single goals, not a stream: a line over such a time would be a
-// slow motion where a person asks for a quick one.
+// Values further apart are single goals, not a stream: a line over that time would be slow where a
+// user wants a fast motion.
 constexpr double kLongestInterval = 0.1;  // [s]
-constexpr double kFirstInterval = 0.01;   // [s] until a second value shows the interval
+constexpr double kFirstInterval = 0.01;   // [s] until a second value gives the interval
 
-// One late command changes the line by a quarter: writers without a real-time system are uneven.
+// One late command changes the line by only a quarter: writers without real-time capability are
+// uneven.
 constexpr double kShareOfNewest = 0.25;
 
-// A set-point that comes too late again and again is lost elsewhere: the operator has to know.
+// A set-point that is late again and again has another problem, which the operator must know about.
 constexpr int kMostRepeats = 8;
 
-/// @return `effort` in thousandths of the rated torque.
+/// @return `effort` in ‰ of the rated torque.
 std::int16_t per_mille(const JointNow& now, double effort) noexcept {
   return static_cast<std::int16_t>(std::lround(effort / now.limits.effort_per_mille));
 }
@@ -47,7 +48,7 @@ OperatingMode JointPlan::mode() const noexcept {
   return mode_of(CommandInterface::position);
 }
 
-/// @return what the drive is to do in this tick: the value that a line of this duty begins with.
+/// @return the value that the drive commands in this tick, from which a line of this duty starts.
 double JointPlan::value_of_drive(const JointNow& now) const noexcept {
   return duty_ == Duty::effort ? now.axis.status.torque_demand * now.limits.effort_per_mille
                                : now.demand().velocity;
@@ -56,7 +57,7 @@ double JointPlan::value_of_drive(const JointNow& now) const noexcept {
 bool JointPlan::moves_by_itself(const JointNow& now) const noexcept {
   if (duty_ == Duty::hold || duty_ == Duty::track || duty_ == Duty::trajectory) return false;
   if (duty_ == Duty::effort || is_entering() || streams()) return true;
-  // The last velocity is 0, but those before it may be on their way.
+  // The last velocity is 0, but earlier ones may still be in flight.
   const bool is_under_way = ends_at_ != 0 && now.tick <= ends_at_;
   return is_under_way || now.axis.status.velocity_demand_value != 0;
 }
@@ -76,7 +77,7 @@ JointMotion JointPlan::motion(const JointNow& now, std::uint64_t tick) const {
 
 // ---- commands --------------------------------------------------------------------------------
 
-/// @return [s] since the command before
+/// @return [s] since the previous command
 double JointPlan::note_command(const JointNow& now) {
   is_lost_ = false;
   return now.seconds(std::exchange(commanded_at_, now.tick), now.tick);
@@ -99,7 +100,7 @@ bool JointPlan::go_to(const JointNow& now, double position) {
     value_ = position;
     return false;
   }
-  if (duty_ == Duty::hold && position_ == position) return false;  // it is there
+  if (duty_ == Duty::hold && position_ == position) return false;  // it is already there
   const bool begins = duty_ != Duty::track;
   if (begins) track(motion(now, now.tick), position);
   tracker().go_to(position, time_of_line(now, passed, begins));
@@ -110,15 +111,15 @@ bool JointPlan::run(const JointNow& now, Duty duty, double value) {
   const double passed = note_command(now);
   if (duty_ != duty) enter(duty);
   const double over = time_of_line(now, passed, is_entering());
-  // The same value again lets its line go on. One that the drive should show by now, and does not,
-  // is written again: a limit switch may have held it back.
+  // If the value is the same as before, its line continues. If the drive should show it by now but
+  // does not, it is written again: a limit switch may have held the drive back.
   const bool is_missed = !streams() && ends_at_ != 0 && now.tick > ends_at_;
   const bool is_new = value_ != value || is_missed;
   const double last = std::exchange(value_, value);
   return !is_entering() && is_new && lead_to_value(last, over);
 }
 
-/// A drive drops set-points of a mode that it is not in yet: the first one waits.
+/// A drive drops set-points for a mode that it is not in yet, so the first one waits.
 void JointPlan::enter(Duty duty) {
   duty_ = duty;
   tracker_.reset();
@@ -131,8 +132,8 @@ void JointPlan::enter(Duty duty) {
   repeats_ = 0;
 }
 
-/// @param last that was sent, where no line leads on from it
-/// @return whether a line begins with this
+/// @param last value sent, used if there is no line to continue
+/// @return whether this starts a line
 bool JointPlan::lead_to_value(double last, double over) {
   const bool begins = !line_.has_value();
   if (begins) line_.emplace(last);
@@ -190,7 +191,7 @@ void JointPlan::track(const JointMotion& start, double goal) {
   duty_ = Duty::track;
 }
 
-// ---- each turn -------------------------------------------------------------------------------
+// ---- each cycle ------------------------------------------------------------------------------
 
 bool JointPlan::brake_without_command(const JointNow& now, double timeout) {
   const bool is_fed = duty_ == Duty::track || duty_ == Duty::velocity || duty_ == Duty::effort;
@@ -202,7 +203,7 @@ bool JointPlan::brake_without_command(const JointNow& now, double timeout) {
 }
 
 std::uint64_t JointPlan::start_again(const JointNow& now) {
-  const JointMotion rest{now.demand().position, 0.0, 0.0};  // it holds
+  const JointMotion rest{now.demand().position, 0.0, 0.0};  // the drive holds
   const std::uint64_t ended = trajectory();
   if (duty_ == Duty::track) track(rest, tracker().goal());
   if (is_free()) lead_from_drive(now);
@@ -213,11 +214,11 @@ std::uint64_t JointPlan::start_again(const JointNow& now) {
   return ended;
 }
 
-/// @return whether the drive does what the last set-point commands.
+/// @return whether the drive follows the last set-point.
 bool JointPlan::is_at_end(const JointNow& now) const noexcept {
   const AxisStatus& shown = now.axis.status;
   if (duty_ == Duty::velocity) return shown.velocity_demand_value == now.user_units(value_);
-  // 6074h is what the drive commands, rounded.
+  // 6074h is the torque commanded by the drive, rounded.
   if (duty_ == Duty::effort) return std::abs(shown.torque_demand - per_mille(now, value_)) <= 1;
   return shown.position_demand_value == now.user_units(position_);
 }
@@ -225,14 +226,16 @@ bool JointPlan::is_at_end(const JointNow& now) const noexcept {
 JointPlan::End JointPlan::check_end(const JointNow& now) {
   if (streams() || ends_at_ == 0 || now.tick <= ends_at_) return End::open;
   const bool is_there = is_at_end(now);
-  // A stop or a limit of the drive, such as that of the speed, shows nothing of what it received.
+  // During a stop, or at a limit of the drive such as its speed limit, the received value is not
+  // visible.
   const bool is_held_back = is_free() && !now.axis.shows(Statusword::kFollowsCommand);
   if (!is_there && is_held_back) return End::open;
   ends_at_ = 0;
   if (!is_there && ++repeats_ <= kMostRepeats) return End::refused;
   repeats_ = 0;
   if (is_there) return End::reached;
-  // It stays at what the drive does: the next command of the same value is a motion again.
+  // Adopt the present value of the drive, so that the next command of the same value is a motion
+  // again.
   if (is_free()) {
     value_ = value_of_drive(now);
   } else {
@@ -246,11 +249,11 @@ void JointPlan::repeat_end(const JointNow& now) {
     lead_from_drive(now);
     return;
   }
-  track({now.demand().position, 0.0, 0.0}, position_);  // it holds
+  track({now.demand().position, 0.0, 0.0}, position_);  // the drive holds
   commanded_at_ = now.tick;
 }
 
-/// A drive changes its mode at rest, and takes its set-points from then on.
+/// A drive changes its mode at rest, and accepts set-points from then on.
 bool JointPlan::settles(const JointNow& now) {
   const bool has_mode = sent_for_ != 0 && now.tick >= enters_at_ && now.axis.mode() == mode();
   if (!is_entering() || !has_mode) return false;
@@ -281,7 +284,7 @@ client::SetPoint JointPlan::next_point(const JointNow& now, std::uint64_t tick) 
   return point;
 }
 
-/// @return whether it is the last position of the motion
+/// @return whether this is the last position of the motion
 bool JointPlan::put_position(const JointNow& now, std::uint64_t tick, client::SetPoint& point) {
   bool ends = false;
   if (duty_ == Duty::track) {
@@ -296,10 +299,10 @@ bool JointPlan::put_position(const JointNow& now, std::uint64_t tick, client::Se
   return ends;
 }
 
-/// @return whether it is the value that was commanded
+/// @return whether this is the commanded value
 bool JointPlan::put_value(const JointNow& now, client::SetPoint& point) {
   const JointLimits& limits = now.limits;
-  // The drive's own profiles take a ramp of 0 for 1, too: a joint can always be stopped.
+  // The drive's own profiles also treat a ramp of 0 as 1, so that a joint can always be stopped.
   if (duty_ == Duty::velocity) {
     const double ramp = std::max(limits.ramp, now.joint.si_per_user_unit);
     point.velocity = now.user_units(line().step(now.period, ramp));
@@ -312,7 +315,8 @@ bool JointPlan::put_value(const JointNow& now, client::SetPoint& point) {
 
 std::optional<client::SetPoint> JointPlan::mode_point(const JointNow& now, std::uint64_t tick) {
   if (!is_entering() || now.tick <= sent_for_) return std::nullopt;
-  // It shows this mode already, and another one may be on its way: only later it is the new one.
+  // The drive shows this mode already, but another one may be in flight: wait until it must be the
+  // new one.
   if (sent_for_ == 0 && now.axis.mode() == mode()) enters_at_ = tick;
   sent_for_ = tick;
   return begin_stream(now.joint.axis.axis, mode());

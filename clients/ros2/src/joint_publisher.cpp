@@ -15,18 +15,18 @@ namespace {
 
 using std::chrono::milliseconds;
 
-// A bench in lock-step that does not advance is looked at so often: the end of its step is due.
+// How often a bench in lock-step that does not advance is checked: the end of its step is due.
 constexpr milliseconds kSilentTurn{10};
-constexpr milliseconds kEndOfStep{20};  // no further tick came: the step has ended
+constexpr milliseconds kEndOfStep{20};  // without a further tick for this time, the step has ended
 
-// A node that joins while no tick passes has to see the joints, too: it may read best effort, and
-// its match tells nothing about the samples that reach it.
+// A node that joins while no tick passes must see the joints too. It may read best effort, and its
+// match does not show which samples reach it.
 constexpr std::chrono::seconds kRepeat{1};
 
-// What readers of /diagnostics expect: after some seconds without a message they show STALE.
+// Expected by readers of /diagnostics: after some seconds without a message they show STALE.
 constexpr std::chrono::seconds kDiagnostics{1};
 
-/// @return which nodes can find the bridge, for a reader of the diagnostics.
+/// @return which nodes can find the bridge, for the diagnostics.
 std::string network_text(const client::SessionOptions& options) {
   return options.interfaces.empty() ? "loopback only" : joined(options.interfaces);
 }
@@ -35,7 +35,7 @@ std::string network_text(const client::SessionOptions& options) {
 
 bool StateTimes::take(const client::BenchInfo& bench, std::uint64_t tick, Clock::time_point now) {
   Published& published = published_[bench.number];
-  // The first state of a run is published at once, whatever its tick is.
+  // The first state of a run is published immediately, whatever its tick.
   if (published.incarnation != bench.incarnation) {
     published = {.incarnation = bench.incarnation, .tick = tick + 1, .due = now};
   }
@@ -55,7 +55,7 @@ bool StateTimes::is_due(Published& published, const client::BenchInfo& bench, st
 
 bool StateTimes::is_due_at_rate(Published& published, Clock::time_point now) const {
   if (now < published.due) return false;
-  // A late message does not shift those that follow, unless it is later than a whole period.
+  // A late message does not shift the following ones, unless it is late by more than one period.
   published.due += period_;
   if (published.due < now) published.due = now + period_;
   return true;
@@ -67,7 +67,7 @@ bool StateTimes::is_due_in_lockstep(Published& published, const client::BenchInf
     published.waiting = tick;
     published.waiting_since = now;
   }
-  // In doubles: the bench may count from a lower number.
+  // In doubles, because the bench may count from a lower number.
   const double passed = (static_cast<double>(tick) - static_cast<double>(published.tick)) *
                         std::chrono::duration<double>(bench.period).count();
   return passed * rate_ >= 1.0 || passed < 0.0 || now - published.waiting_since >= kEndOfStep;

@@ -16,14 +16,14 @@
 
 namespace vdrive::ros2 {
 
-/// When the joint states of benches are published. In lock-step a state is published after each
-/// period of drive time and where a step ends, else at the rate in wall time. While no tick passes
-/// the state is repeated once a second. Time is an argument.
+/// Schedules the publication of joint states. In lock-step a state is published after each period
+/// of drive time and at the end of a step, otherwise at the rate in wall time. While no tick
+/// passes, the state is repeated once per second. Time is passed as an argument.
 class StateTimes {
  public:
   using Clock = std::chrono::steady_clock;
 
-  /// @param rate states a second
+  /// @param rate states per second
   explicit StateTimes(double rate)
       : rate_(rate),
         period_(std::chrono::duration_cast<Clock::duration>(
@@ -34,17 +34,17 @@ class StateTimes {
   [[nodiscard]] bool take(const client::BenchInfo& bench, std::uint64_t tick,
                           Clock::time_point now);
 
-  /// @return when to ask take() again, unless a new state comes before.
+  /// @return when to call take() again, unless a new state arrives earlier.
   [[nodiscard]] Clock::time_point next(Clock::time_point now) const;
 
  private:
-  /// What was published of a bench.
+  /// The publications of a bench.
   struct Published {
     std::uint64_t incarnation = 0;
     std::uint64_t tick = 0;
     Clock::time_point taken{};  ///< when it was published
     Clock::time_point due{};
-    std::uint64_t waiting = 0;  ///< tick that was not published at once
+    std::uint64_t waiting = 0;  ///< tick that was not published immediately
     Clock::time_point waiting_since{};
   };
 
@@ -59,11 +59,11 @@ class StateTimes {
   std::map<std::uint32_t, Published> published_;
 };
 
-/// @return the joints of a bench in one instant, or nothing while its bench sends no status.
+/// @return the joints of a bench at one instant, or nothing while the bench sends no status.
 [[nodiscard]] std::optional<ros::JointState> joint_state_of(const BenchView& view);
 
-/// Publishes joint states, clock and diagnostics in a thread of its own. The clock comes with the
-/// states; diagnostics come once a second and when a level or a message changes.
+/// Publishes joint states, clock and diagnostics on a separate thread. The clock is published with
+/// the states; diagnostics once per second and when a level or a message changes.
 class JointPublisher {
  public:
   JointPublisher(wire::Participant& participant, const Settings& settings, Board& board);

@@ -7,7 +7,7 @@
 namespace vdrive::ros2 {
 namespace {
 
-/// The speed that ticks of constant deceleration bring to rest on this way:
+/// The speed from which constant deceleration in ticks comes to rest within this distance:
 /// v dt + (v - a dt) dt + ... = v²/2a + v dt/2.
 double speed_that_stops(double way, double ramp, double period) noexcept {
   const double half = 0.5 * ramp * period;
@@ -31,12 +31,12 @@ JointMotion JointTracker::step(double period, const JointLimits& limits) noexcep
       std::min(limits.velocity, speed_that_stops(std::abs(way), limits.ramp, period));
   const double wanted = std::clamp((reference_ - now_.position) / period,
                                    way < 0.0 ? -fastest : 0.0, way > 0.0 ? fastest : 0.0);
-  // The ramp counts last: a speed above a limit that has just been lowered is reduced slowly.
+  // The ramp takes precedence: a speed above a limit that was just lowered is reduced slowly.
   const double most = limits.ramp * period;
   const double speed = std::clamp(wanted, now_.velocity - most, now_.velocity + most);
   const double before = now_.velocity;
   now_ = {now_.position + speed * period, speed, (speed - before) / period};
-  // What is left of the last step is less than its rounding.
+  // The remaining distance is below the rounding error of the last step.
   const double rest = std::abs(goal_ - now_.position);
   const double small = 1e-9 * std::max(1.0, std::abs(goal_));
   if (left_ == 0.0 && rest < small && std::abs(speed) <= most) now_ = {goal_, 0.0, 0.0};
@@ -47,7 +47,7 @@ double ValueLine::step(double period, double slope) noexcept {
   const double way = goal_ - now_;
   const double most = slope * period;
   if (left_ <= period && std::abs(way) <= most) {
-    now_ = goal_;  // exactly, whatever the sum of the steps is
+    now_ = goal_;  // exactly, regardless of rounding in the sum of the steps
   } else {
     const double part = left_ > period ? way * period / left_ : way;
     now_ += std::clamp(part, -most, most);

@@ -5,28 +5,28 @@
 
 namespace vdrive::ros2 {
 
-/// Follows single positions in a straight line from one to the next, within the limits of speed and
-/// acceleration, so that it never jumps. It rests at the last one.
+/// Follows single positions along straight lines from one to the next, within the limits of speed
+/// and acceleration, so that it never jumps. Stays at the last one.
 class JointTracker {
  public:
-  /// @param start where the joint is
+  /// @param start motion of the joint
   explicit JointTracker(const JointMotion& start) noexcept
       : now_{start.position, start.velocity, 0.0},
         reference_(start.position),
         goal_(start.position) {}
 
   /// @param goal [rad or m]
-  /// @param over [s] time in which the line reaches it
+  /// @param over [s] time in which the line reaches the goal
   void go_to(double goal, double over) noexcept {
     goal_ = goal;
     left_ = over;
   }
 
-  /// Brakes to rest, as soon as the limits permit.
+  /// Brakes to rest as quickly as the limits permit.
   void stop(const JointLimits& limits) noexcept;
 
-  /// @param period [s] that passes, above 0
-  /// @param limits velocity and ramp count; both above 0
+  /// @param period [s] elapsed time, above 0
+  /// @param limits uses velocity and ramp; both above 0
   JointMotion step(double period, const JointLimits& limits) noexcept;
 
   [[nodiscard]] bool is_at_rest() const noexcept {
@@ -35,7 +35,7 @@ class JointTracker {
 
   [[nodiscard]] const JointMotion& now() const noexcept { return now_; }
 
-  /// @return [rad or m] where it goes
+  /// @return the goal [rad or m]
   [[nodiscard]] double goal() const noexcept { return goal_; }
 
  private:
@@ -45,8 +45,8 @@ class JointTracker {
   double left_ = 0.0;  ///< [s] until the reference is at the goal
 };
 
-/// Follows single velocities or efforts in a straight line from one to the next, within a slope, so
-/// that it never jumps. It stays at the last one.
+/// Follows single velocities or efforts along straight lines from one to the next, within a slope,
+/// so that it never jumps. Stays at the last one.
 class ValueLine {
  public:
   explicit ValueLine(double start) noexcept : now_(start), goal_(start) {}
@@ -57,8 +57,8 @@ class ValueLine {
     left_ = over;
   }
 
-  /// @param period [s] that passes, above 0
-  /// @param slope the most that the value changes in a second, above 0
+  /// @param period [s] elapsed time, above 0
+  /// @param slope largest change of the value per second, above 0
   double step(double period, double slope) noexcept;
 
   [[nodiscard]] bool is_at_goal() const noexcept { return now_ == goal_; }

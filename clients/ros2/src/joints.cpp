@@ -12,10 +12,10 @@ namespace vdrive::ros2 {
 namespace {
 
 constexpr std::size_t kMostNamed = 8;       // known joints in a message
-constexpr std::size_t kMostCompared = 256;  // known joints, with one that is unknown
-constexpr std::size_t kMostUnknown = 256;   // names whose text is kept
+constexpr std::size_t kMostCompared = 256;  // known joints compared with an unknown one
+constexpr std::size_t kMostUnknown = 256;   // unknown names whose text is kept
 
-/// @return whether `text` of the configuration names this axis.
+/// @return whether `text` from the configuration refers to this axis.
 bool names(const std::string& text, const client::AxisInfo& axis) {
   return text == to_string(axis.id) || text == axis.name ||
          text == std::to_string(axis.id.bench) + "." + axis.name;
@@ -52,14 +52,14 @@ OperatingMode mode_of(CommandInterface interface) noexcept {
   return OperatingMode::cyclic_synchronous_position;
 }
 
-/// A set-point for each tick follows.
+/// The set-point before a stream that has a set-point for each tick.
 client::SetPoint begin_stream(std::uint16_t axis, OperatingMode mode) {
   return {.axis = axis, .mode = mode, .objects = client::objects_before_stream()};
 }
 
 std::optional<std::string> JointDirectory::add(std::uint32_t bench,
                                                const std::vector<ServedJoint>& joints) {
-  auto places = places_;  // a copy: of a bench that clashes no joint is added
+  auto places = places_;  // a copy, so that no joint of a bench that clashes is added
   for (std::size_t i = 0; i < joints.size(); ++i) {
     const auto [entry, is_new] =
         places.emplace(joints[i].name, JointPlace{bench, i, joints[i].interface});
@@ -90,14 +90,14 @@ std::optional<JointPlace> JointDirectory::find(std::string_view name) const {
 std::string JointDirectory::unknown(std::string_view name) const {
   const auto known = unknown_.find(name);
   if (known != unknown_.end()) return known->second;
-  // Any program may send any number of names.
+  // Bounded, because any program may send any number of names.
   if (unknown_.size() >= kMostUnknown) unknown_.clear();
   return unknown_.emplace(name, describe_unknown(name)).first->second;
 }
 
 std::string JointDirectory::describe_unknown(std::string_view name) const {
   if (places_.empty()) return "is unknown, no bench is served yet";
-  // A name with an error after its first characters sorts next to the right one.
+  // A name with an error after its first characters is sorted next to the right one.
   auto near = places_.lower_bound(name);
   for (std::size_t i = 0; i < kMostCompared / 2 && near != places_.begin(); ++i) --near;
   std::vector<std::string> candidates;

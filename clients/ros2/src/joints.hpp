@@ -17,7 +17,7 @@
 
 namespace vdrive::ros2 {
 
-/// An axis as a joint of ROS.
+/// An axis as a ROS joint.
 struct ServedJoint {
   std::string name;
   client::AxisId axis;
@@ -25,7 +25,7 @@ struct ServedJoint {
   double si_per_user_unit = 1.0;  ///< [rad or m]
   std::optional<CommandInterface> interface {};
 
-  /// @return what reports call it, such as "joint x".
+  /// @return its name in reports, such as "joint x".
   [[nodiscard]] std::string label() const { return "joint " + name; }
 
   /// @return "rad" or "m".
@@ -34,33 +34,33 @@ struct ServedJoint {
   }
 };
 
-/// The joints of a bench, one an axis, in the order of its axes. A joint has the name of the
-/// configuration, else that of its axis, with the prefix "bench1_" where the settings have it.
+/// The joints of a bench, one per axis, in the order of its axes. A joint has the name from the
+/// configuration, otherwise that of its axis, with the prefix "bench1_" if the settings ask for it.
 [[nodiscard]] std::vector<ServedJoint> joints_of(const client::BenchInfo& bench,
                                                  const Settings& settings);
 
 /// @return the mode in which a drive follows set-points of this interface.
 [[nodiscard]] OperatingMode mode_of(CommandInterface interface) noexcept;
 
-/// @return what an axis gets before a stream, or with its first set-point: its mode (6060h), and 0
-///         in 60C2h:01, 60B0h, 60B1h and 60B2h.
+/// @return the set-point sent to an axis before a stream, or with its first set-point: its mode
+///         (6060h), and 0 in 60C2h:01, 60B0h, 60B1h and 60B2h.
 [[nodiscard]] client::SetPoint begin_stream(std::uint16_t axis, OperatingMode mode);
 
-/// Where a joint is: the bench and the place among its axes.
+/// Identifies a joint by its bench and its place among the axes.
 struct JointPlace {
   std::uint32_t bench = 0;
   std::size_t place = 0;
-  std::optional<CommandInterface> interface {};  ///< the only one that the configuration permits
+  std::optional<CommandInterface> interface {};  ///< the only one permitted by the configuration
 
   friend bool operator==(const JointPlace&, const JointPlace&) = default;
 };
 
-/// The joints by name. A name belongs to one axis.
+/// The joints by name. A name refers to one axis.
 class JointDirectory {
  public:
-  /// Adds the joints of a bench.
-  /// @return the reason when it adds none, with the joint: the name occurs twice, or on another
-  /// bench.
+  /// Adds the joints of a bench, all or none.
+  /// @return the reason if it adds none, with the joint: the name occurs twice, or on another
+  ///         bench.
   [[nodiscard]] std::optional<std::string> add(std::uint32_t bench,
                                                const std::vector<ServedJoint>& joints);
 
@@ -68,9 +68,9 @@ class JointDirectory {
 
   [[nodiscard]] std::optional<JointPlace> find(std::string_view name) const;
 
-  /// @param name of no joint
-  /// @return what follows the name in a message: that it is unknown, the nearest name, and the
-  ///         first known ones.
+  /// @param name not the name of a joint
+  /// @return the words that follow the name in a message: that it is unknown, the nearest name, and
+  ///         the first known ones.
   [[nodiscard]] std::string unknown(std::string_view name) const;
 
  private:
@@ -79,8 +79,8 @@ class JointDirectory {
   [[nodiscard]] std::string describe_unknown(std::string_view name) const;
 
   std::map<std::string, JointPlace, std::less<>> places_;
-  /// A robot may command an unknown joint a thousand times a second: the nearest name is searched
-  /// for once.
+  /// Cached, because a robot may command an unknown joint a thousand times per second: the nearest
+  /// name is searched for only once.
   mutable Texts unknown_;
 };
 

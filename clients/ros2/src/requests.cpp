@@ -13,7 +13,7 @@
 namespace vdrive::ros2 {
 namespace {
 
-/// The places in `name` that the values of an array belong to; empty when these are ambiguous.
+/// The places in `name` to which the values of an array belong; empty if they are ambiguous.
 std::vector<std::size_t> places_of(const std::vector<std::optional<JointPlace>>& joints,
                                    CommandInterface interface, std::size_t values) {
   std::vector<std::size_t> places;
@@ -27,7 +27,7 @@ std::vector<std::size_t> places_of(const std::vector<std::optional<JointPlace>>&
   return places;
 }
 
-/// What one message commands each of its joints.
+/// Reads the commands of one message for each of its joints.
 class CommandReader {
  public:
   CommandReader(const ros::JointState& message, const FindJoint& find)
@@ -37,7 +37,7 @@ class CommandReader {
     for (const std::string& name : names_) {
       std::string reason;
       joints_.push_back(find(name, reason));
-      // The other joints of the message move: a robot has joints that no bench has.
+      // The other joints of the message move: a robot may have joints that are on no bench.
       if (!joints_.back()) problem("joint " + in_quotes(name) + " " + reason + ": ignored");
       if (!seen.insert(name).second) {
         problem("joint " + in_quotes(name) + " is named twice: ignored");
@@ -98,7 +98,7 @@ bool all_finite(const std::vector<double>& values) {
   });
 }
 
-/// @return what is wrong with a point; empty for a good one.
+/// @return the error in a point; empty if it is valid.
 std::string check_point(const ros::JointTrajectoryPoint& point, std::size_t joints) {
   struct Array {
     const char* name;
@@ -182,7 +182,7 @@ std::optional<Trajectory> read_trajectory(const ros::JointTrajectory& message,
   const auto moves = [](double velocity) {
     return velocity != 0.0;
   };
-  // Nothing follows it: the joint would stop within a tick.
+  // Nothing follows the last point: the joint would stop within a tick.
   if (std::ranges::any_of(trajectory.points.back().velocities, moves)) {
     problem = "the last point has a velocity: it must be at rest";
     return std::nullopt;

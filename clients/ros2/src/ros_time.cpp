@@ -21,8 +21,9 @@ std::int64_t stamp_of(const client::BenchInfo& bench, std::uint64_t tick) {
   const std::int64_t drive_time =
       static_cast<std::int64_t>(tick) * std::chrono::nanoseconds(bench.period).count();
   if (bench.clock_mode != client::ClockMode::realtime) return drive_time;
-  // Nodes of ROS on this machine compare stamps with the time of day. A bench whose ticks were
-  // scaled or paused has another time: its stamps would look old, and transforms be dropped.
+  // ROS nodes on this machine compare stamps with the time of day. The time of a bench whose ticks
+  // were scaled or paused differs from that: its stamps would look old, and transforms would be
+  // dropped.
   const std::int64_t now = bridge::wall_time();
   return std::abs(now - drive_time) < kNanosecondsPerSecond ? drive_time : now;
 }
@@ -43,7 +44,7 @@ std::string StampOrder::problem(const wire::WriterId& writer, std::int64_t stamp
 
 void StampOrder::note(const wire::WriterId& writer, std::int64_t stamp) {
   if (stamp == 0) return;
-  // Writers come and go under new numbers. Forgetting all costs no more than one stamp each.
+  // Writers come and go with new numbers. Forgetting all of them costs at most one stamp each.
   if (last_.size() >= kMostWriters && !last_.contains(writer)) last_.clear();
   last_[writer] = stamp;
 }

@@ -11,13 +11,13 @@
 #include <optional>
 #include <string>
 
-/// Times as ROS has them [ns].
+/// Times as used by ROS [ns].
 namespace vdrive::ros2 {
 
 inline constexpr std::int64_t kNanosecondsPerSecond = 1'000'000'000;
 inline constexpr double kSecondsPerNanosecond = 1e-9;
 
-/// @return `nanoseconds` as ROS writes it.
+/// @return `nanoseconds` as a ROS time.
 [[nodiscard]] inline ros::Time ros_time(std::int64_t nanoseconds) {
   ros::Time time;
   time.sec = static_cast<std::int32_t>(nanoseconds / kNanosecondsPerSecond);
@@ -33,27 +33,27 @@ inline constexpr double kSecondsPerNanosecond = 1e-9;
 ///         the time of day, the time of day.
 [[nodiscard]] std::int64_t stamp_of(const client::BenchInfo& bench, std::uint64_t tick);
 
-/// Judges the stamps of messages: those of one writer do not go back, and none is far ahead of the
-/// time of its bench. A wrong stamp of one writer does not concern another one.
+/// Checks the stamps of messages: those of one writer must not go back, and none may be far ahead
+/// of the time of its bench. A wrong stamp of one writer does not affect another.
 class StampOrder {
  public:
-  /// How many writers are known at once; when there are more all are forgotten.
+  /// Most writers known at the same time; beyond that, all are forgotten.
   static constexpr std::size_t kMostWriters = 1024;
 
-  /// @param most_ahead of the time of a bench [s]; 0 = without a limit
+  /// @param most_ahead of the time of a bench [s]; 0 = unlimited
   explicit StampOrder(double most_ahead) : most_ahead_(most_ahead) {}
 
-  /// @param stamp [ns]; 0 = none, which is always good
-  /// @param now the time of the bench [ns]; none while it sends no status
-  /// @return what is wrong with the stamp, such as "its stamp is 2 s earlier than that of the one
-  ///         before"; empty for a good one.
+  /// @param stamp [ns]; 0 = none, which is always valid
+  /// @param now the time of the bench [ns]; nothing while it sends no status
+  /// @return the error in the stamp, such as "its stamp is 2 s earlier than that of the one
+  ///         before"; empty if it is valid.
   [[nodiscard]] std::string problem(const wire::WriterId& writer, std::int64_t stamp,
                                     std::optional<std::int64_t> now) const;
 
-  /// The message with this stamp was accepted.
+  /// Records that the message with this stamp was accepted.
   void note(const wire::WriterId& writer, std::int64_t stamp);
 
-  /// What comes next is the first of its writer.
+  /// Treats the next message of each writer as its first.
   void clear() noexcept { last_.clear(); }
 
  private:

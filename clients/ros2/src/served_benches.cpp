@@ -13,7 +13,7 @@ namespace {
 
 using bridge::Severity;
 
-// A bench that comes is served at once for a person, and the search costs a turn little.
+// A new bench is served without noticeable delay, and the search costs a cycle little.
 constexpr std::chrono::milliseconds kFindPeriod{200};
 
 }  // namespace
@@ -33,7 +33,7 @@ void ServedBenches::find(Clock::time_point now) {
   (void)roster_.take(access_.present_benches(), now);
   for (const bridge::BenchRecord& record : roster_.all()) {
     const client::BenchInfo& info = record.info;
-    // Not that of a pause: the lead in ticks has to be right when time goes on.
+    // Not the rate 0 of a pause: the lead in ticks must be right when time continues.
     const bool has_rate = info.clock_mode == client::ClockMode::realtime && info.rate > 0.0;
     if (record.is_served && has_rate) benches_.at(info.number).bench->set_rate(info.rate);
   }
@@ -50,7 +50,7 @@ void ServedBenches::remove(std::uint32_t number, bool is_replaced) {
   ensure(known != benches_.end(), "a bench that was added is served");
   const std::string name = known->second.bench->label();
   directory_.remove(number);
-  // Before it is erased: other benches brake what they do for the same trajectory.
+  // Before it is erased: other benches brake their joints of the same trajectory.
   if (is_replaced) access_.end_run(*known->second.motion);
   benches_.erase(known);
   if (is_replaced) reports_.report(Severity::warning, name, "was restarted");

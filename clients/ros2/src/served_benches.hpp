@@ -16,29 +16,29 @@
 
 namespace vdrive::ros2 {
 
-/// A bench that the bridge serves.
+/// A bench served by the bridge.
 struct ServedBench {
   std::shared_ptr<Bench> bench;
   std::unique_ptr<FollowedBench> link;
   std::unique_ptr<BenchMotion> motion;
 };
 
-/// What ServedBenches asks of the bridge.
+/// The operations that ServedBenches needs from the bridge.
 class BenchAccess {
  public:
   virtual ~BenchAccess() = default;
 
-  /// @return the benches that are there.
+  /// @return the benches that are present.
   virtual std::vector<client::BenchInfo> present_benches() = 0;
 
-  /// Has the bench followed from now on.
+  /// Starts following the bench.
   virtual std::unique_ptr<FollowedBench> connect(Bench& bench) = 0;
 
   /// Sends set-points to a bench.
   virtual client::Outcome send_set_points(std::uint32_t bench,
                                           const SetPointStream::Frames& frames) = 0;
 
-  /// The motions of a bench end with its run.
+  /// Ends the motions of a bench with its run.
   virtual void end_run(BenchMotion& motion) = 0;
 };
 
@@ -48,15 +48,15 @@ class ServedBenches final : private bridge::BenchHost {
   using Clock = std::chrono::steady_clock;
   using Map = std::map<std::uint32_t, ServedBench>;
 
-  /// @param session number of the one that commands the benches
-  /// @param reports, access outlive this
+  /// @param session number of the session that commands the benches
+  /// @param reports, access must outlive this
   ServedBenches(std::uint64_t session, const Settings& settings, bridge::Reports& reports,
                 BenchAccess& access);
 
-  /// Takes benches that have come, and gives up those that have gone.
+  /// Adds benches that have appeared, and removes those that have gone.
   void find(Clock::time_point now);
 
-  /// Enables or disables all axes, also those of benches that come later.
+  /// Enables or disables all axes, also those of benches found later.
   void enable(bool wanted);
 
   [[nodiscard]] Map& all() noexcept { return benches_; }
@@ -68,7 +68,8 @@ class ServedBenches final : private bridge::BenchHost {
     return directory_.find(name);
   }
 
-  /// The same, as FindJoint. @param problem gets what the directory has instead
+  /// As above, in the form of FindJoint.
+  /// @param problem receives the reason if the name is unknown
   [[nodiscard]] std::optional<JointPlace> find_joint(const std::string& name,
                                                      std::string& problem) const {
     const auto joint = directory_.find(name);
@@ -76,17 +77,16 @@ class ServedBenches final : private bridge::BenchHost {
     return joint;
   }
 
-  /// @param bench one of all(), such as that of a joint that was found in this turn
+  /// @param bench one of all(), such as that of a joint found in this cycle
   [[nodiscard]] BenchMotion& motion_of(std::uint32_t bench) const;
 
-  /// @return the time of the newest tick of a bench, as its messages have it [ns]; none without
-  ///         one.
+  /// @return the time of the newest tick of a bench, as in its messages [ns]; nothing without one.
   [[nodiscard]] std::optional<std::int64_t> time_of(std::uint32_t bench) const;
 
-  /// @return whether time advances by steps on one of them.
+  /// @return whether one of them advances by steps.
   [[nodiscard]] bool any_in_lockstep() const;
 
-  /// @return what is published of them, and of those that are left out.
+  /// @return the published data of these benches, and of those that are left out.
   [[nodiscard]] Board::Views views() const;
 
  private:
@@ -104,7 +104,7 @@ class ServedBenches final : private bridge::BenchHost {
   bridge::Roster roster_;
   Clock::time_point find_due_{};
   Map benches_;
-  Board::Views left_out_;  ///< of benches whose joints clash, as they were when they came
+  Board::Views left_out_;  ///< benches whose joints clash, as they were when found
   JointDirectory directory_;
 };
 

@@ -12,21 +12,21 @@ namespace {
 
 // [s of wall time]
 constexpr double kAheadOnTrajectory = 0.15;  // outlasts a pause of the machine
-constexpr double kAheadOnTrack = 0.015;      // a position that comes now is late by it
-constexpr double kLongest = 0.128;           // after set-points that came too late
+constexpr double kAheadOnTrack = 0.015;      // a new position is delayed by this
+constexpr double kLongest = 0.128;           // after late set-points
 
-// In lock-step, where the program that steps has to know them beforehand: ticks between the newest
-// state and the first set-point of a motion, and those that a step may have while it lasts.
+// In lock-step the stepping program must know these in advance: the ticks between the newest state
+// and the first set-point of a motion, and the ticks that a step may have during a motion.
 constexpr std::uint64_t kLeadTicks = 20;
 constexpr std::uint64_t kTrajectoryTicks = 100;
 constexpr std::uint64_t kTrackTicks = 40;
 
-// A bench keeps 1,024 frames of all its clients: two bridges and a tool have room.
+// A bench keeps 1,024 frames of all its clients: enough for two bridges and a tool.
 constexpr double kMostAhead = 400.0;
 
 using Frames = SetPointStream::Frames;
 
-/// One frame with what `point` gives of each joint; none when it gives nothing.
+/// One frame with the result of `point` for each joint; none if there are no results.
 template <typename Point>
 Frames frame_of(std::uint64_t tick, std::size_t joints, const Point& point) {
   client::SetPointFrame frame{.tick = tick};
@@ -76,7 +76,7 @@ void SetPointStream::catch_up(std::uint64_t tick) {
 }
 
 Frames SetPointStream::modes(const BenchNow& now) {
-  // At once, but after the set-points of another mode that were sent before.
+  // Immediately, but after the set-points already sent in another mode.
   const std::uint64_t tick = sent_until_ > now.tick() ? sent_until_ + 1 : 0;
   const std::uint64_t reached = std::max(tick, now.tick() + lead_.lead());
   return frame_of(tick, plans_.size(), [&](std::size_t place) -> std::optional<client::SetPoint> {

@@ -64,7 +64,7 @@ constexpr auto kJointRows = std::to_array<Row<JointSetting>>({
         kOneOf<CommandInterface::position, CommandInterface::velocity, CommandInterface::effort>),
 });
 
-/// A joint is the name of its axis, or a map.
+/// A joint is given as the name of its axis, or as a map.
 void read_joints(const YamlValue& map, Settings& settings) {
   std::vector<JointSetting>& joints = settings.joints;
   joints.clear();  // the key replaces, it does not add
@@ -81,7 +81,7 @@ void read_joints(const YamlValue& map, Settings& settings) {
   });
 }
 
-// Beyond these limits a value is a mistake in its unit.
+// A value beyond these limits is probably in the wrong unit.
 constexpr auto kRows = std::to_array<Row<Settings>>({
     key<&Settings::benches>("benches", IntegerLimits{1, wire::kHighestBench, ""}),
     key<&Settings::name_space>("namespace", kText),

@@ -13,7 +13,7 @@
 
 namespace vdrive::ros2 {
 
-/// What a joint is commanded with.
+/// The quantity by which a joint is commanded.
 enum class CommandInterface : std::uint8_t { position, velocity, effort };
 
 /// @return "position", "velocity" or "effort".
@@ -22,7 +22,8 @@ enum class CommandInterface : std::uint8_t { position, velocity, effort };
   return kNames[static_cast<std::size_t>(interface)];
 }
 
-/// Names of topics: those that begin with '/' stay, the others get the namespace before them.
+/// Names of topics: those that begin with '/' are absolute, the others are prefixed with the
+/// namespace.
 struct TopicNames {
   std::string joint_states = "joint_states";
   std::string joint_commands = "robot_joint_commands";
@@ -33,11 +34,11 @@ struct TopicNames {
   std::string clock = "/clock";
 };
 
-/// A joint that the configuration names.
+/// A joint named in the configuration.
 struct JointSetting {
   std::string name;
   std::string axis;                              ///< "1.2", "1.lift" or the axis' own name
-  std::optional<CommandInterface> interface {};  ///< the only one that commands it
+  std::optional<CommandInterface> interface {};  ///< the only one that may command it
 };
 
 /// The settings of vdrive-ros2.
@@ -48,22 +49,22 @@ struct Settings {
   client::SessionOptions session{};
   std::vector<std::uint32_t> benches{};  ///< empty = every bench
   std::string name_space{};              ///< such as "/cell1"
-  double rate = 100.0;                   ///< messages of joint states a second
+  double rate = 100.0;                   ///< joint state messages per second
   bool is_enabled = false;               ///< axes are enabled as soon as their bench is found
   bool is_prefixed = false;              ///< joints are called bench1_x
   double command_timeout = 0.0;          ///< [s] after which a joint brakes; 0 = never
   double start_tolerance = 0.01;         ///< [rad or m] between a joint and a point at time 0
-  double stamp_ahead = 60.0;             ///< [s] of a stamp before the time of its bench; 0 = any
+  double stamp_ahead = 60.0;  ///< [s] that a stamp may be ahead of the time of its bench; 0 = any
   TopicNames topics{};
   std::vector<JointSetting> joints{};
 };
 
-/// Reads a YAML document over what `settings` has.
+/// Reads a YAML document; its keys replace the values in `settings`.
 /// @throws settings::ConfigurationError with file, line, key, value and limit
 void read_settings(const std::string& text, const std::string& file, Settings& settings);
 
-/// Puts the namespace before the topics. @throws settings::ConfigurationError for a
-/// name that ROS does not permit.
+/// Prefixes the topics with the namespace.
+/// @throws settings::ConfigurationError for a name that ROS does not permit.
 void resolve_topics(Settings& settings);
 
 }  // namespace vdrive::ros2

@@ -16,18 +16,18 @@
 
 namespace vdrive::ros2 {
 
-/// How a trajectory would start now.
+/// The way in which a trajectory would start now.
 struct TrajectoryStart {
-  /// Where it starts on one bench.
+  /// The start on one bench.
   struct Begin {
-    std::uint64_t tick = 0;  ///< the paths begin after it
-    double passed = 0.0;     ///< [s] of the trajectory that are over by then
+    std::uint64_t tick = 0;  ///< the paths start after it
+    double passed = 0.0;     ///< [s] of the trajectory that have passed by then
   };
 
-  std::vector<std::shared_ptr<const JointPath>> paths;  ///< one a joint; none for one at its target
+  std::vector<std::shared_ptr<const JointPath>> paths;  ///< one per joint; null if at its target
   std::map<std::uint32_t, Begin> begins;                ///< by bench
-  std::string problem;                                  ///< why it cannot; empty = it can
-  bool waits = false;                                   ///< its time has not come
+  std::string problem;                                  ///< why it cannot start; empty = it can
+  bool waits = false;                                   ///< its time has not come yet
 };
 
 namespace {
@@ -35,7 +35,7 @@ namespace {
 using bridge::Severity;
 
 std::string names_text(const std::vector<std::string>& names) {
-  constexpr std::size_t kMost = 4;  // a line of a log for people
+  constexpr std::size_t kMost = 4;  // for a readable log line
   std::string text;
   for (std::size_t i = 0; i < std::min(names.size(), kMost); ++i) {
     text += (i == 0 ? "" : ", ") + names[i];
@@ -44,8 +44,8 @@ std::string names_text(const std::vector<std::string>& names) {
                               : text;
 }
 
-/// @param start its time [ns], 0 = at once
-/// @param waits is set when that is later than what can be sent now
+/// @param start its time [ns], 0 = immediately
+/// @param waits is set if that is later than what can be sent now
 TrajectoryStart::Begin find_begin(std::int64_t start, BenchMotion& motion, bool& waits) {
   TrajectoryStart::Begin begin{.tick = motion.begin_tick()};
   if (start == 0) return begin;
@@ -64,7 +64,7 @@ TrajectoryStart::Begin find_begin(std::int64_t start, BenchMotion& motion, bool&
 }
 
 /// Plans the path of one joint.
-/// @param passed [s] of the trajectory that are over
+/// @param passed [s] of the trajectory that have passed
 void add_path(const Trajectory& trajectory, std::size_t joint, BenchMotion& motion, double passed,
               double tolerance, TrajectoryStart& start) {
   const std::size_t place = trajectory.joints[joint].place;
@@ -100,14 +100,14 @@ void add_path(const Trajectory& trajectory, std::size_t joint, BenchMotion& moti
   start.paths[joint] = std::move(path);
 }
 
-/// Plans the paths of a trajectory from where its joints are, and checks them against the limits.
-/// One that waits is planned from its first point on.
-/// @param trajectory that has no obstacle_to()
+/// Plans the paths of a trajectory from the present positions of its joints, and checks them
+/// against the limits. One that waits is planned from its first point on.
+/// @param trajectory for which there is no obstacle_to()
 /// @param tolerance [rad or m] between a joint and a point at the start
 TrajectoryStart plan_start(const Trajectory& trajectory, const ServedBenches& benches,
                            double tolerance) {
   TrajectoryStart start;
-  // All begins before the first path: on one bench that waits, the others wait too.
+  // All starts before the first path: if one bench waits, the others wait too.
   for (const JointPlace& joint : trajectory.joints) {
     if (start.begins.contains(joint.bench)) continue;
     start.begins[joint.bench] =
@@ -161,11 +161,11 @@ std::string Trajectories::problem_of(const Trajectory& trajectory,
   return obstacle_to(trajectory);
 }
 
-/// @return why it cannot start with one of its joints; empty when it can.
+/// @return why it cannot start with one of its joints; empty if it can.
 std::string Trajectories::obstacle_to(const Trajectory& trajectory) const {
   for (std::size_t i = 0; i < trajectory.joints.size(); ++i) {
     const JointPlace& joint = trajectory.joints[i];
-    // While it waited its bench may have gone, and another one may have come with that name.
+    // While it waited, its bench may have gone, and another one with that name may have appeared.
     const bool is_present = benches_.find_joint(trajectory.names[i]) == joint;
     const std::string problem =
         is_present ? benches_.motion_of(joint.bench).trajectory_obstacle(joint.place)
@@ -189,9 +189,9 @@ void Trajectories::take(const ros::JointTrajectory& message, const wire::WriterI
     return;
   }
   stamps_.note(writer, trajectory->start);
-  // A new trajectory takes the place of one that has not started.
+  // A new trajectory replaces one that has not started.
   waiting_ = Waiting{.trajectory = std::move(*trajectory), .limits = {}};
-  // It is checked against the present limits: another program may have changed them just before.
+  // Check it against the present limits, which another program may have just changed.
   for (const JointPlace& joint : waiting_->trajectory.joints) {
     if (waiting_->limits.contains(joint.bench)) continue;
     waiting_->limits[joint.bench] = benches_.motion_of(joint.bench).bench().request_limits();
@@ -216,9 +216,9 @@ bool Trajectories::try_start(Waiting& waiting) {
     refuse(problem);
     return true;
   }
-  // One that starts later is checked at once as well, from the present positions.
+  // One that starts later is also checked immediately, from the present positions.
   const TrajectoryStart start = plan_start(trajectory, benches_, start_tolerance_);
-  // Later its joints may be on another way: what is wrong from there may be right at the start.
+  // Its joints may be moving differently by then: what is invalid now may be valid at the start.
   if (start.waits && waiting.is_checked) return false;
   if (!start.problem.empty()) {
     refuse(start.problem);
@@ -239,14 +239,15 @@ void Trajectories::begin(const Trajectory& trajectory, const TrajectoryStart& st
   for (const JointPlace& joint : trajectory.joints) {
     replaced.insert(benches_.motion_of(joint.bench).trajectory_of(joint.place));
   }
-  // After the search for what is replaced, before its joints brake: each joint has one of both.
+  // After looking up what is replaced, before its joints brake: each joint has either the old or
+  // the new one.
   for (std::size_t i = 0; i < trajectory.joints.size(); ++i) {
     if (start.paths[i] == nullptr) continue;
     const JointPlace& joint = trajectory.joints[i];
     benches_.motion_of(joint.bench)
         .follow(joint.place, start.paths[i], start.begins.at(joint.bench).tick, number);
   }
-  // Joints of a replaced trajectory that this one does not move come to rest.
+  // Joints of a replaced trajectory that are not part of this one come to rest.
   for (const std::uint64_t old : replaced) {
     if (running_.erase(old) > 0) brake_all(old);
   }
@@ -261,7 +262,7 @@ void Trajectories::break_off(const BrokenTrajectories& broken) {
     reports_.report(Severity::error, "joint trajectory",
                     known->second + ": stopped, " + one.reason);
     running_.erase(known);
-    // Also on other benches: a trajectory of two arms without one of them is another motion.
+    // Also on other benches: a trajectory of two arms without one of them is a different motion.
     brake_all(one.number);
   }
 }

@@ -16,25 +16,26 @@ namespace vdrive::ros2 {
 
 struct TrajectoryStart;
 
-/// Takes, starts and ends trajectories. One waits for its time or for the limits of its joints;
-/// any number are under way. For one thread.
+/// Accepts, starts and ends trajectories. At most one waits, for its time or for the limits of its
+/// joints; any number can be in progress. For one thread.
 class Trajectories {
  public:
-  /// @param benches outlives this, as `reports` does
+  /// @param benches must outlive this, like `reports`
   Trajectories(ServedBenches& benches, const Settings& settings, bridge::Reports& reports)
       : benches_(benches),
         reports_(reports),
         start_tolerance_(settings.start_tolerance),
         stamps_(settings.stamp_ahead) {}
 
-  /// Takes a message, or reports why it is refused. It replaces one that has not started.
+  /// Accepts a message, or reports why it is refused. It replaces a trajectory that has not
+  /// started.
   void take(const ros::JointTrajectory& message, const wire::WriterId& writer);
 
-  /// The axes were enabled or disabled: each writer begins with a new stamp, and nothing that waits
-  /// starts without power.
+  /// Records that the axes were enabled or disabled: each writer begins with a new stamp, and
+  /// without power no waiting trajectory starts.
   void note_enable(bool is_enabled);
 
-  /// Starts what is due.
+  /// Starts trajectories that are due.
   void start_due();
 
   /// Brakes the joints of trajectories that ended early, and reports why.
@@ -43,14 +44,14 @@ class Trajectories {
   /// Breaks off the trajectory of a bench whose run has ended.
   void end_with(BenchMotion& motion);
 
-  /// Reports those whose set-points were all sent.
+  /// Reports those whose set-points have all been sent.
   void forget_ended();
 
  private:
   /// A trajectory that waits for its time, or for the limits.
   struct Waiting {
     Trajectory trajectory;
-    std::map<std::uint32_t, std::uint64_t> limits;  ///< what limits_read() has to reach, by bench
+    std::map<std::uint32_t, std::uint64_t> limits;  ///< required values of limits_read(), by bench
     bool is_checked = false;
   };
 
@@ -68,12 +69,12 @@ class Trajectories {
   const double start_tolerance_;
   StampOrder stamps_;
   std::optional<Waiting> waiting_;
-  std::map<std::uint64_t, std::string> running_;  ///< number and text
+  std::map<std::uint64_t, std::string> running_;  ///< number and description
   std::uint64_t last_number_ = 0;
 };
 
 /// Compares a stamp with the time of each bench: in lock-step each has its own.
-/// @return why the stamp is not good; empty when it is.
+/// @return the error in the stamp; empty if it is valid.
 [[nodiscard]] std::string stamp_problem(const StampOrder& order, const wire::WriterId& writer,
                                         std::int64_t stamp, const ServedBenches& benches,
                                         const std::set<std::uint32_t>& numbers);
