@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-// The whole client library: sessions, axes, groups, clocks, outcomes.
+// The complete client library: sessions, axes, groups, clocks, outcomes.
 
 #include "vdrive/client/axis.hpp"
 #include "vdrive/client/axis_group.hpp"

@@ -140,7 +140,7 @@ bool restore_wakeup_file(int file) noexcept {
     set_wakeup_file(file);
     return true;
   } catch (...) {
-    return false;  // its owner has closed it meanwhile: then no thread waits for it
+    return false;  // its owner has closed it: then no thread waits for it
   }
 }
 

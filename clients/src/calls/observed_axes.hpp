@@ -15,19 +15,19 @@
 
 namespace vdrive::client {
 
-/// Which axes form a group, and on which benches they are. One axis is a group of one.
+/// The axes of a group, and the benches that they are on. A single axis is a group of one.
 struct GroupLayout {
   struct Bench {
     std::uint32_t number = 0;
     std::vector<std::uint16_t> axes;
-    std::vector<std::size_t> places;  ///< of these axes in the group
+    std::vector<std::size_t> places;  ///< places of these axes in the group
   };
 
   std::vector<AxisId> axes;  ///< in the order of the group
   std::vector<Bench> benches;
 };
 
-/// Axes that the message of a group names; the others are counted.
+/// Axes that the message of a group names; further ones are only counted.
 inline constexpr std::size_t kMostNamed = 4;
 
 /// @param axes each once
@@ -47,38 +47,39 @@ struct BenchPart {
   Target target;
   std::shared_ptr<StatusFeed> feed;  ///< none in lock-step
   Observation seen;
-  std::uint64_t skipped = 0;  ///< ticks since the first observation that the number jumped over
+  std::uint64_t skipped = 0;  ///< ticks jumped over since the first observation
   Outcome loss{};             ///< why the bench is lost, if it is
 
   [[nodiscard]] bool is_lost() const { return !loss; }
 };
 
-/// One axis or more, on one bench or more, tick by tick: all benches show the same tick.
+/// One or more axes on one or more benches, tick by tick: all benches show the same tick.
 class ObservedAxes {
  public:
   using Progress = std::function<void(std::uint64_t tick, std::span<const AxisSnapshot>)>;
 
-  /// @param progress receives each tick that is observed; may be empty
+  /// @param progress called with each observed tick; may be empty
   ObservedAxes(std::shared_ptr<SessionCore> core, GroupLayout layout, Caller caller,
                Progress progress);
 
-  /// Connects to every bench. From then on the status of the axes arrives: several calls that open
-  /// first and connect() then wait for it together.
+  /// Connects to every bench and starts receiving the status of the axes. Several calls can open()
+  /// first and then wait in connect() together.
   Outcome open();
 
-  /// Opens, unless it is open, compares the clocks of the benches, and observes the axes for the
-  /// first time.
+  /// Opens if not yet open, compares the clocks of the benches, and observes the axes for the first
+  /// time.
   Outcome connect();
 
-  /// Ends the status of the axes, which costs the thread that receives it. No further call.
+  /// Stops receiving the status of the axes, which takes time on the receiving thread. No calls
+  /// after this.
   void close() { parts_.clear(); }
 
   /// Advances to the next tick that all benches show; in lock-step by `ticks`.
   /// @param patience wall time for other steppers to grant the next tick
-  /// @return timed_out, for an axis, when no sample came for a while.
+  /// @return timed_out, for an axis, if no sample arrived for a while.
   Outcome advance(std::uint64_t ticks, std::chrono::milliseconds patience = kStepPatience);
 
-  /// Observes what has arrived by now, without waiting for more; in lock-step the present.
+  /// Observes what has arrived so far, without waiting; in lock-step the present state.
   Outcome refresh();
 
   /// Observes the axes again, as they were when this call began or later. A sample may have been

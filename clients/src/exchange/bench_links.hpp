@@ -305,7 +305,7 @@ class BenchLinks {
   std::map<BenchKey, Link> links_;  ///< a map: elements must not move on insertion
   std::vector<wire::ReceivedStatus> spare_;
   std::unique_ptr<wire::Publication<msg::Request>> request_publication_;  ///< none for a viewer
-  std::unique_ptr<wire::Publication<msg::CommandFrame>> command_publication_;  ///< the same
+  std::unique_ptr<wire::Publication<msg::CommandFrame>> command_publication_;  ///< likewise
   RequestAnswer received_;    ///< the newest reply; used by the receiving thread only
   bool is_received_ = false;  ///< it could be decoded
   std::mutex refusal_mutex_;  ///< guards the observer, also while it is being called

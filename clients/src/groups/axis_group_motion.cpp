@@ -260,8 +260,8 @@ Result<LinePlan> AxisGroup::State::plan_from_rest(AxesCall& call,
                   .course = {.origin = demands_of(call.snapshots()), .farthest = request.targets}};
 }
 
-/// In real time the axes are further on when the line starts: only its course counts, along which
-/// each axis plans from where it is then.
+/// In real time the axes have moved further when the line starts. So only the course of the line
+/// matters: each axis plans along it from its position at that time.
 Result<LinePlan> AxisGroup::State::plan_in_motion(AxesCall& call, const LineRequest& request) {
   const std::vector<AxisSnapshot>& axes = call.snapshots();
   const auto moving = line_in_hand();
@@ -322,10 +322,10 @@ Outcome AxisGroup::State::start(AxesCall& call, const LineRequest& request) {
                            "after it was enabled is not yet in force");
 }
 
-/// Takes back a start in which not every axis took part: the others get a set-point where they
-/// stand, axes that moved before after a halt. The round that clears the common times may be the
-/// one that was refused: left in force, they would make the next set-point of the axis a
-/// synchronous one, also one of no length.
+/// Withdraws a start in which not every axis took part: the others get a set-point at their present
+/// position, and axes that were moving before are halted first. The round that clears the common
+/// times may be the one that was refused. Left in force, those times would make the next set-point
+/// of the axis a synchronous one, even one of zero length.
 void AxisGroup::State::withdraw(AxesCall& call) {
   Round halt = call.round_of(kHalt, every_axis);
   for (Round::Entry& entry : halt.entries) {
@@ -344,7 +344,7 @@ void AxisGroup::State::withdraw(AxesCall& call) {
     add_target(entry.command, call.snapshots()[entry.place].status.position_demand_value);
     add_word(entry.command, kHalt | Controlword::kNewSetPoint | Controlword::kChangeSetImmediately);
   }
-  (void)call.exchange(rounds, Timing::at_once);  // what refused the start may refuse this too
+  (void)call.exchange(rounds, Timing::at_once);  // the axis may refuse this too
 }
 
 bool AxisGroup::State::has_arrived(const LineInHand& line, std::span<const AxisSnapshot> axes) {
@@ -370,7 +370,7 @@ Outcome AxisGroup::State::await_line(AxesCall& call, const GroupCallOptions& opt
                            return !cut || (demand_arrived(axis, moving->targets[place]) &&
                                            (!in_position || target_reached(axis)));
                          });
-  // The line is lost: the others must not continue alone.
+  // The axis has left the line: the others must not continue alone.
   if (outcome && !cut) outcome = call.stop_others(std::move(cut));
   if (outcome) {
     set_line(std::nullopt);
@@ -383,7 +383,7 @@ Outcome AxisGroup::State::await_line(AxesCall& call, const GroupCallOptions& opt
 Outcome AxisGroup::State::run(AxesCall& call, const LineRequest& request,
                               const GroupCallOptions& options) {
   if (is_on_the_move(call.snapshots())) {
-    drop_queue();  // refused, this line leaves the axes on the one in hand
+    drop_queue();  // after a refusal the axes continue along the present line
   } else {
     drop_all();
   }
@@ -416,7 +416,7 @@ Outcome AxisGroup::move_by(const Eigen::VectorXd& displacements, const GroupMove
 Outcome AxisGroup::queue_move(const Eigen::VectorXd& targets, const GroupMoveOptions& options) {
   const Discovery& discovery = state_->core->discovery;
   if (Outcome here = discovery.check_process(); !here) return here;
-  // Nothing is sent: a bench that is silent for a moment may still take the line later.
+  // Nothing is sent: a bench that is briefly silent may still take the line later.
   for (const GroupLayout::Bench& bench : state_->layout.benches) {
     if (Outcome there = discovery.check_last_run(bench.number); !there) return there;
   }
@@ -448,7 +448,7 @@ Outcome AxisGroup::wait_all(const GroupCallOptions& options) {
   }
 }
 
-/// With a line in hand the axes are waited for at its end, else at the targets that they show.
+/// With a line in progress, waits for its end; otherwise for the targets that the axes show.
 Outcome AxisGroup::State::resume(AxesCommand& resume, const GroupCallOptions& options) {
   if (stream) resume.release_streams_of(stream->released);
   std::set<std::uint32_t> stepped;
