@@ -95,7 +95,6 @@ class BenchLink final {
   using Clock = BenchFollower::Clock;
   using Axes = std::shared_ptr<const std::vector<client::Axis>>;
 
-  /// The jobs waiting for an axis.
   struct WaitingJobs {
     AxisJobs jobs;
     bool is_posted = false;  ///< its worker has a job for it

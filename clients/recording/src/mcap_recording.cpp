@@ -171,7 +171,6 @@ struct Schema {
   std::string text;
 };
 
-/// A channel of the status.
 struct StatusChannel {
   std::uint32_t bench = 0;
   std::string name{};  ///< of its axis, if it is of one axis

@@ -26,7 +26,6 @@ class RecordingError : public std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
-/// An axis of a recording.
 struct RecordedAxis {
   client::AxisId id{};
   std::string name{};
@@ -34,7 +33,6 @@ struct RecordedAxis {
   std::optional<client::Unit> unit{};  ///< none if the recording does not state it
 };
 
-/// A bench of a recording.
 struct RecordedBench {
   std::uint32_t number = 0;
   std::chrono::nanoseconds period{std::chrono::milliseconds(1)};  ///< of a tick, drive time

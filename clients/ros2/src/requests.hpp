@@ -35,7 +35,6 @@ using FindJoint =
 /// to which the configuration assigns this interface, in order.
 [[nodiscard]] JointCommands read_commands(const ros::JointState& message, const FindJoint& find);
 
-/// A point of a trajectory.
 struct TrajectoryPoint {
   double time = 0.0;  ///< [s] from the start
   std::vector<double> positions;

@@ -17,7 +17,6 @@ namespace vdrive::ros2 {
 inline constexpr std::int64_t kNanosecondsPerSecond = 1'000'000'000;
 inline constexpr double kSecondsPerNanosecond = 1e-9;
 
-/// @return `nanoseconds` as a ROS time.
 [[nodiscard]] inline ros::Time ros_time(std::int64_t nanoseconds) {
   ros::Time time;
   time.sec = static_cast<std::int32_t>(nanoseconds / kNanosecondsPerSecond);

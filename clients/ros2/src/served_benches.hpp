@@ -28,7 +28,6 @@ class BenchAccess {
  public:
   virtual ~BenchAccess() = default;
 
-  /// @return the benches that are present.
   virtual std::vector<client::BenchInfo> present_benches() = 0;
 
   /// Starts following the bench.
@@ -63,7 +62,6 @@ class ServedBenches final : private bridge::BenchHost {
 
   [[nodiscard]] const Map& all() const noexcept { return benches_; }
 
-  /// @return the joint of that name.
   [[nodiscard]] std::optional<JointPlace> find_joint(const std::string& name) const {
     return directory_.find(name);
   }

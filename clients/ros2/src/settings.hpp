@@ -16,7 +16,6 @@ namespace vdrive::ros2 {
 /// The quantity by which a joint is commanded.
 enum class CommandInterface : std::uint8_t { position, velocity, effort };
 
-/// @return "position", "velocity" or "effort".
 [[nodiscard]] constexpr std::string_view to_string(CommandInterface interface) noexcept {
   constexpr std::array<std::string_view, 3> kNames{"position", "velocity", "effort"};
   return kNames[static_cast<std::size_t>(interface)];

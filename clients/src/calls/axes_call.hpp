@@ -186,7 +186,6 @@ class AxesCall {
   Outcome send(std::span<const Round> rounds, std::uint64_t apply_at,
                std::vector<SentFrames>& sent);
 
-  /// Collects the answers to sent frames.
   Answers collect(std::span<const SentFrames> sent, Outcome outcome);
 
   /// By place: the last command of this call that replaced what its axis did before; if no command

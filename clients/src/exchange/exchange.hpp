@@ -43,7 +43,6 @@ class SentRequests {
   Outcome sending_;
 };
 
-/// The contents of one command frame.
 struct FrameContent {
   std::vector<msg::AxisCommand> commands;
   std::uint64_t apply_at_tick = 0;     ///< 0 = the next; a frame that misses its tick is refused
@@ -51,7 +50,6 @@ struct FrameContent {
   std::vector<std::uint16_t> moved{};  ///< axes that run from then on: see Holdings
 };
 
-/// Frames that were sent to one bench.
 struct SentFrames {
   Target target;
   std::vector<std::uint64_t> sequences;

@@ -13,7 +13,6 @@
 
 namespace vdrive::client {
 
-/// @return the message as a snapshot of its axis.
 [[nodiscard]] AxisSnapshot sample_of(const msg::AxisStatus& message);
 
 /// Fills a snapshot, possibly a reused one, from an axis of a frame or of a reply.

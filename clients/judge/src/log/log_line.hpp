@@ -10,7 +10,6 @@
 
 namespace vdrive::judge {
 
-/// A frame in a log.
 struct LoggedFrame {
   std::optional<Time> time{};     ///< since the origin of the log's clock; nothing = no times
   std::string_view interface {};  ///< such as "can0"; in an .asc file the channel number
