@@ -25,7 +25,7 @@ namespace vdrive::client {
 
 /// Publishes the name of this session and receives the names of others. A session that acquires no
 /// axis has no writer, and one that meets no other session no reader: each is created on first use,
-/// because every reader of names costs all participants. If permissions do not allow it, or DDS
+/// at a one-time cost to the session that reads a name. If permissions do not allow it, or DDS
 /// refuses, it is left out: then the others, or we, know no name. Thread-safe; the caller must hold
 /// no lock of the session.
 class SessionNames {

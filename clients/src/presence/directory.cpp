@@ -174,9 +174,8 @@ void Directory::note_time(const BenchKey& key, const RunTime& time) {
   entry.time = time;
 }
 
-/// Without a sample, the rate of a bench in real time is unknown: the description does not contain
-/// it. The first sample of a paused bench is a state, which does; otherwise the bench would appear
-/// to be running.
+/// A bench in real time is not present before its first sample: the description does not contain its
+/// rate, and a paused bench would appear to be running. Its first sample is a state, which has it.
 std::optional<Directory::Clock::duration> Directory::silence_of(const Entry& entry,
                                                                 Clock::time_point now) const {
   if (entry.info.clock_mode == ClockMode::realtime && !entry.newest_sample) return std::nullopt;

@@ -11,12 +11,12 @@ namespace {
 using std::chrono::milliseconds;
 
 // If no further bench appears for this time, all present benches have been found. On a busy machine
-// or a slow network, the first sign of a bench already took long: there the time is kSettleTimes as
-// long as that took.
+// or a slow network, the first sign of a bench already took long: there the time is kSettleTimes
+// times as long as that took.
 constexpr milliseconds kSettle{150};
 constexpr int kSettleTimes = 4;
 
-/// How many times longer a search may take if a service has announced itself.
+/// How many times as long a search may take if a service has announced itself.
 constexpr int kTimesForAnnounced = 3;
 
 /// Threads that a message passes through in sequence, each as late as this one: in the service's

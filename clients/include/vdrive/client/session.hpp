@@ -31,7 +31,7 @@ class AxisGroup;
 class SessionCore;
 class StepClock;
 
-/// What keeps this program's axes alive while it holds them: the source of the keep-alives.
+/// The source of the keep-alives that this program sends while it holds axes.
 enum class KeepAlive : std::uint8_t {
   own_thread,   ///< a thread of the session, every 25 ms while the bench runs in realtime
   user_frames,  ///< only the user's own commands: a program that hangs loses its axes
