@@ -558,6 +558,21 @@ test("a trigger shows the run around it: a single one stays, and normal ones fol
   await waitForText(motions(), /Move to 5.000 UU: reached/);
 });
 
+test("a trigger gets every tick before it from the black box, also those that no page has received", async () => {
+  await page.goto(`${gateway.address}#/scope?s=1.1:position_demand_value;1.1:load_position_error_value`);
+  await command("trigger").click();
+  await trigger("signal").selectOption("position_demand_value");
+  await trigger("condition").selectOption("above");
+  await page.fill('[data-test="trigger_value"]', "-1000000");
+  await command("every_tick").check();
+  await command("arm").click();
+  await waitForText(command("recording_name"), /^1\.window-\d+: 1\.1 axis1$/);
+  const [from, to] = await shownTimes();
+  assert.ok(to - from > 2.4 && to - from < 2.6, `${from} to ${to}: 2 s before, 0.5 s after`);
+  assert.equal(await page.locator(".lost-text").textContent(), "");
+  await command("close_recording").click();
+});
+
 test("a link with a signal or an axis that is not there has a clear line", async () => {
   await page.goto(`${gateway.address}#/scope?s=1.77:torque_demand;1.1:no_such_signal&g=single,1.1,no_such_signal,rising,1,0.5,&x=1`);
   await waitForText(page.locator(".strips .problem").first(), /^There is no axis 1\.77\.$/);
@@ -696,6 +711,12 @@ test("the card of a fault opens by itself and tells what led to it, with a pictu
   await waitForText(card.locator(".story"), /following_error_window \(6065h\)/);
   await waitForText(card.locator(".fault-writes"), /test_blocked_load \(5E01h\) = 1/);
   assert.equal(await card.locator("svg").count(), 4);
+  await command("fault-scope").click();
+  await waitForText(command("recording_name"), /^1\.window-\d+: 1\.1 axis1$/);
+  await page.locator(".plot .u-over").first().waitFor();
+  await command("close_recording").click();
+  await page.goto(`${gateway.address}#/axis/1.1`);
+  await waitForText(card.locator(".story"), /test_blocked_load \(5E01h\) = 1/);
 });
 
 test("an event leads to its time in the plots, where the fault has its name, also from the view Control", async () => {

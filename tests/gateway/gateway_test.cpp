@@ -712,6 +712,24 @@ TEST(GatewayServices, StepALockstepBench) {
   EXPECT_THAT(client.call("/step", {{"bench", 1}, {"ticks", 0}})["message"], HasSubstr("1000000"));
 }
 
+TEST(GatewayServices, FreezeTheTicksUpToNowForAProgramWithControl) {
+  const RunningService service("--clock lockstep");
+  const RunningGateway gateway("--control");
+  ToolClient client(gateway.port());
+  (void)client.channel("/bench1/status");
+  EXPECT_THAT(client.call("/freeze", {{"bench", 1}})["message"], HasSubstr("control"));
+  ASSERT_EQ(client.call("/take_control", Json::object())["ok"], true);
+  ASSERT_EQ(client.call("/step", {{"bench", 1}, {"ticks", 40}})["tick"], 40);
+  EXPECT_THAT(client.call("/freeze", Json::object())["message"], HasSubstr("'bench'"));
+  const Json frozen = client.call("/freeze", {{"bench", 1}});
+  ASSERT_EQ(frozen["window"], 1) << frozen;
+  const Json window = client.call("/fault", {{"window", 1}, {"axis", "1.1"}});
+  const auto& ticks = window["samples"]["tick"];
+  ASSERT_EQ(ticks.size(), 40U) << window["message"];  // none is older than the bench
+  EXPECT_EQ(ticks.front(), 1);
+  EXPECT_EQ(window["samples"]["ds402_statusword"].size(), 40U);
+}
+
 TEST(GatewayServices, DescribeTheErrorOfARequest) {
   const RunningService service("--clock realtime");
   const RunningGateway gateway("--control");

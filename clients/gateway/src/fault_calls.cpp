@@ -83,6 +83,12 @@ Json samples_json(const Window& window) {
 
 }  // namespace
 
+CallAnswer call_freeze(client::Session& session, const Json& request) {
+  const auto number = session.freeze_window(bench_of(request));
+  if (!number) return {.outcome = number.outcome()};
+  return {.outcome = {}, .fields = {{"window", *number}}};
+}
+
 CallAnswer call_faults(client::Session& session, const Json& request) {
   const auto windows = session.windows(bench_of(request));
   if (!windows) return {.outcome = windows.outcome()};

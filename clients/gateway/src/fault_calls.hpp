@@ -7,6 +7,10 @@
 
 namespace vdrive::gateway {
 
+/// Answers /freeze: the bench keeps what happens around now as a window of its black box.
+/// @throws ProtocolError when the request does not name a bench
+[[nodiscard]] CallAnswer call_freeze(client::Session& session, const Json& request);
+
 /// Answers /faults: lists the windows that the black box of a bench keeps.
 /// @throws ProtocolError when the request is wrong.
 [[nodiscard]] CallAnswer call_faults(client::Session& session, const Json& request);

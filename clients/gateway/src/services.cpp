@@ -354,6 +354,7 @@ Json response_schema(const ServiceRow& row) {
         "happened:string expected:string remedy:string");
     return object_schema(members + " judged?:boolean findings?:finding[]", {{"finding", finding}});
   }
+  if (row.call == call_freeze) return object_schema(members + " window?:integer");
   if (right != Right::none) return object_schema(members);
   const Json window = object_schema(
       "window:integer first_tick:integer last_tick:integer "
@@ -419,6 +420,7 @@ constexpr std::array kServices{
     ServiceRow{"/step", "vdrive.Step", Right::command, "bench:integer ticks:integer", call_step},
     ServiceRow{"/events", "vdrive.Events", Right::events, "bench:integer", nullptr},
     ServiceRow{"/judge", "vdrive.Judge", Right::judge, "bench:integer", nullptr},
+    ServiceRow{"/freeze", "vdrive.Freeze", Right::command, "bench:integer", call_freeze},
     ServiceRow{"/faults", "vdrive.Faults", Right::none, "bench:integer", call_faults},
     ServiceRow{"/fault", "vdrive.Fault", Right::none, "window:integer axis:string", call_fault},
     ServiceRow{"/read", "vdrive.Read", Right::none, "axis:string objects:string[]", call_read},

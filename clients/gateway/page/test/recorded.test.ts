@@ -6,6 +6,7 @@ import { McapWriter } from "@mcap/core";
 import type { Recorded } from "../src/data/recorded";
 import { CsvReader } from "../src/data/recorded_csv";
 import { McapReader } from "../src/data/recorded_mcap";
+import { recordedAxisOf } from "../src/data/recorded_window";
 
 const HEADS = "axis,name,tick,missed,ds402_statusword,load_position_actual_value,owner,owner_epoch,unit,unit_size,position_in_unit,velocity_in_unit";
 const row = (axis: string, tick: number, position: number, missed = 0) => `${axis},lift,${tick},${missed},592,${position},,0,deg,4096,0,0\n`;
@@ -146,4 +147,14 @@ test("what is no MCAP, or damaged, is named with its byte", async () => {
   const recorded = readMcap(bytes);
   assert.match(recorded.cut, /^byte \d+: .*CRC/);
   assert.ok(positions(recorded).length > 0);
+});
+
+test("an axis of a window has a sample for each tick, and lists of different lengths are refused", () => {
+  const axis = { address: "1.2", bench: 1, axis: 2, name: "lift", unit: undefined };
+  const window = (position: unknown) => recordedAxisOf(axis, { tick: [100, 101, 105], load_position_actual_value: position });
+  const recorded = { axes: [window([7, -8, 9])], events: [], period: 0.001, cut: "" };
+  assert.deepEqual([recorded.axes[0].first, recorded.axes[0].last], [100, 105]);
+  assert.deepEqual(positions(recorded), [7, -8, 9]);
+  assert.throws(() => window([7, -8]), /2 values of load_position_actual_value for 3 ticks/);
+  assert.throws(() => window("7"), /load_position_actual_value/);
 });

@@ -280,10 +280,11 @@ void MotionRules::watch_following(const Context& context) {
 
 void MotionRules::watch_error(const Context& context) {
   const AxisTrack& track = context.track;
+  const std::int64_t error = std::abs(std::int64_t{*track.following_error});
+  if (error <= largest_error_) return;  // most samples: the search for the window costs more
   const std::int64_t window = track.values.find(objects::kFollowingWindow).value_or(0);
   if (window <= 0 || window >= std::numeric_limits<std::uint32_t>::max()) return;
-  const std::int64_t error = std::abs(std::int64_t{*track.following_error});
-  if (2 * error <= window || error <= largest_error_) return;
+  if (2 * error <= window) return;
   const bool is_position_mode = track.is_in(OperatingMode::profile_position) ||
                                 track.is_in(OperatingMode::interpolated_position) ||
                                 track.is_in(OperatingMode::cyclic_synchronous_position);

@@ -162,6 +162,7 @@ void LiveJudge::judge_writes_before(const Observation& sample) {
   const auto end = std::ranges::find_if(writes_, [&](const AxisWrite& write) {
     return write.tick >= sample.tick;
   });
+  if (end == writes_.begin()) return;
   std::vector<AxisWrite> due(writes_.begin(), end);
   writes_.erase(writes_.begin(), end);
   std::vector<bool> is_ignored(due.size());

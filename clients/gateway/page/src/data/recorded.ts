@@ -33,7 +33,9 @@ export class RecordedAxis {
   count = 0;
   private readonly blocks: Block[] = [];
   private missed = 0;
-  private lastTick = -1;
+  /** ticks of the first and the last sample; -1 before one was added */
+  first = -1;
+  last = -1;
 
   constructor(
     readonly address: string,
@@ -46,8 +48,9 @@ export class RecordedAxis {
    *  @param missed number of missing samples before this one
    *  @throws Error if the tick is not after the previous one */
   add(tick: number, value: (member: string) => number, missed: number): void {
-    if (tick <= this.lastTick) throw new Error(`tick ${tick} of axis ${this.address} comes after tick ${this.lastTick}`);
-    this.lastTick = tick;
+    if (tick <= this.last) throw new Error(`tick ${tick} of axis ${this.address} comes after tick ${this.last}`);
+    this.last = tick;
+    if (this.count === 0) this.first = tick;
     this.missed += missed;
     let block = this.blocks.at(-1);
     if (block === undefined || block.length === BLOCK || missed > 0) {

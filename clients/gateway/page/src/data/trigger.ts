@@ -94,6 +94,11 @@ export class TriggerRun {
     return this.pending !== undefined;
   }
 
+  /** [s] of drive time, of the newest trigger, even while its run is incomplete */
+  get found(): number | undefined {
+    return this.pending ?? this.at;
+  }
+
   /** @return whether the signal does not exist, so that nothing will ever be found */
   get isWithoutSignal(): boolean {
     const { condition, member } = this.trigger;

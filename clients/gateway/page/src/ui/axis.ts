@@ -8,6 +8,7 @@ import { formatTime } from "../data/times";
 import { formatAge, formatHex, formatPermille, formatUnits } from "../data/units";
 import { modeName, stateName, t, type TextKey } from "../i18n";
 import { addressOf, type Model } from "../model";
+import type { Recording } from "../recording";
 import type { Source } from "../source";
 import type { Trace } from "../trace";
 import { Commands } from "./commands";
@@ -130,6 +131,7 @@ export class AxisView implements View {
     private readonly trace: Trace,
     source: Source,
     query: string,
+    openInScope: (recording: Recording) => void,
   ) {
     const { ref } = trace;
     const address = addressOf(ref);
@@ -144,7 +146,7 @@ export class AxisView implements View {
     const events = new Events(model, model.events, isOwn, ({ time }) => scope.goTo(time));
     const findings = new Findings(model, ref, (tick) => scope.goTo(trace.timeOf(tick)));
     const objects = new Objects(model, ref);
-    const faultCard = new FaultCard(model, ref, this.trace);
+    const faultCard = new FaultCard(model, ref, this.trace, openInScope);
     this.parts = [faultCard, figures, scope, commands, modes, machine, words, events, findings, objects];
     const title = h(
       "div",

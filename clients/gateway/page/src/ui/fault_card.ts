@@ -7,7 +7,9 @@ import { formatHex, formatPermille, formatUnits } from "../data/units";
 import { t, type TextKey } from "../i18n";
 import { addressOf, type AxisRef, type Model } from "../model";
 import { checked } from "../protocol/checked";
+import type { Recording } from "../recording";
 import type { Trace } from "../trace";
+import { recordingOfWindow } from "../window";
 import { button, h, mark, put, s, select, type View } from "./dom";
 
 const ASK_EVERY_MS = 2_000;
@@ -41,6 +43,7 @@ export class FaultCard implements View {
     private readonly model: Model,
     private readonly ref: AxisRef,
     private readonly trace: Trace,
+    private readonly openInScope: (recording: Recording) => void,
   ) {
     const reset = () => void model.command("/reset", { axes: [addressOf(ref)] });
     this.resetButton = button(t("reset"), reset, { attributes: { "data-test": "reset-fault" } });
@@ -83,7 +86,8 @@ export class FaultCard implements View {
     this.newest = this.nameOf(windows[0]);
     const options = windows.filter(({ is_open }) => !is_open).map((window) => ({ value: String(window.window), text: this.nameOf(window) }));
     const chosen = select(t("faults"), options, String(newest.window), (value) => void this.show(Number(value)));
-    this.choice.replaceChildren(chosen, this.resetButton);
+    const open = button(t("open_in_scope"), () => void this.open(), { attributes: { "data-test": "fault-scope" } });
+    this.choice.replaceChildren(chosen, open, this.resetButton);
     this.body.replaceChildren();
     void this.show(newest.window);
   }
@@ -97,6 +101,16 @@ export class FaultCard implements View {
 
   private timeOf(tick: number): string {
     return timeText(tick * this.trace.period);
+  }
+
+  /** Every signal of the axis in the window that is shown. */
+  private async open(): Promise<void> {
+    if (this.shown === undefined) return;
+    try {
+      this.openInScope(await recordingOfWindow(this.model, this.shown, [this.trace]));
+    } catch (error) {
+      this.model.outcome = { ok: false, text: (error as Error).message };
+    }
   }
 
   private async show(window?: number): Promise<void> {

@@ -80,6 +80,7 @@ export class Scope implements View {
   private readonly resetButton: HTMLButtonElement;
   private readonly cursorButton: HTMLButtonElement;
   private readonly lastRunButton: HTMLButtonElement;
+  private readonly everyTick = h("input", { attributes: { type: "checkbox", "data-test": "every_tick" } });
   private readonly addPlace = h("div", { class: "line add-signal" });
   private readonly addButton: HTMLButtonElement;
   private readonly cursors: Cursors;
@@ -87,6 +88,8 @@ export class Scope implements View {
   private readonly observer: ResizeObserver;
   private errorWindow?: ErrorWindow;
   private run?: TriggerRun;
+  /** It was asked for every tick. */
+  private captured?: TriggerRun;
   private showsLastRun = true;
   private marks: PlacedMark[] = [];
   /** time of the event that the user went to [s] */
@@ -112,13 +115,15 @@ export class Scope implements View {
 
   /** @param preset shown unless the link says otherwise
    *  @param query of the link that opened this view
-   *  @param isNamed strips show the name of their axis even if there is only one */
+   *  @param isNamed strips show the name of their axis even if there is only one
+   *  @param capture shows every tick around a single trigger, from the black box; undefined if it is not offered */
   constructor(
     private readonly model: Model,
     private readonly source: Source,
     private readonly preset: StripState[],
     query: string,
     private readonly isNamed: boolean,
+    private readonly capture?: (at: TriggerRun, all: readonly Samples[]) => void,
   ) {
     this.pauseButton = button(t("pause_plots"), () => this.pause(!this.paused), {
       class: "toggle",
@@ -144,7 +149,9 @@ export class Scope implements View {
       timeAt: (left) => this.timeAt(left),
       changed: () => (this.dirty = true),
     });
-    this.trigger = new TriggerPanel(model, () => [...this.samples.values()], (wanted) => this.arm(wanted), [this.lastRunButton]);
+    const everyTick = h("label", { class: "choice", title: t("every_tick_hint") }, this.everyTick, t("every_tick"));
+    everyTick.hidden = capture === undefined || !source.isLive;
+    this.trigger = new TriggerPanel(model, () => [...this.samples.values()], (wanted) => this.arm(wanted), [everyTick, this.lastRunButton]);
     this.link = query === "" ? "" : `?${query}`;
     const asked = this.fromLink(query);
     this.strips = this.known(asked.strips) ?? preset;
@@ -205,6 +212,12 @@ export class Scope implements View {
     this.zoom([time - half, time + half]);
     this.wentTo = time;
     this.root.scrollIntoView({ block: "nearest" });
+  }
+
+  /** Marks a moment with a line, without moving there. @param time [s] of drive time */
+  markTime(time: number): void {
+    this.wentTo = time;
+    this.dirty = true;
   }
 
   /** @return whether there are samples of any axis */
@@ -619,6 +632,7 @@ export class Scope implements View {
     const isHeld = run.at !== undefined && (trigger.mode === "single" || !isLive);
     const end = isLive ? this.now() : Infinity;
     if (!this.paused && !isHeld && run.advance(this.model.settings.window, end)) this.hold(run);
+    this.captureEveryTick(run);
     if (run.isWithoutSignal) {
       this.run = undefined;
       this.model.outcome = { ok: false, text: `${t("trigger")}: ${trigger.axis} ${t("no_signal")} ${trigger.member}` };
@@ -636,6 +650,13 @@ export class Scope implements View {
     this.dirty = true;
     if (run.at === undefined || run.trigger.mode === "normal") return;
     this.zoom(this.runRange(run.at));
+  }
+
+  /** As soon as the trigger is found: the black box keeps a fixed time before the request. */
+  private captureEveryTick(run: TriggerRun): void {
+    if (!this.everyTick.checked || this.captured === run || run.trigger.mode !== "single" || run.found === undefined) return;
+    this.captured = run;
+    this.capture?.(run, [...this.samples.values()]);
   }
 
   private lastRun(): number | undefined {

@@ -3,8 +3,12 @@
 
 import { t } from "../i18n";
 import type { Model } from "../model";
+import { formatScope, parseScope } from "../data/scope_link";
+import type { Samples } from "../data/samples";
+import type { TriggerRun } from "../data/trigger";
 import { openRecording, type Recording } from "../recording";
 import type { Source } from "../source";
+import { freeze, recordingOfWindow } from "../window";
 import { button, FOCUS, h, type View } from "./dom";
 import { Events } from "./events";
 import { presetOf, Scope } from "./scope";
@@ -60,13 +64,14 @@ export class ScopeView implements View {
   }
 
   /** @param query from the address: a link to a recording opens its place once the file is open */
-  private show(recording: Recording | undefined, query = location.hash.split("?")[1] ?? ""): void {
+  private show(recording: Recording | undefined, query = location.hash.split("?")[1] ?? ""): Scope {
     this.close();
     this.memory.recording = recording;
     const source = recording ?? this.live;
     const [first] = recording?.axes() ?? [];
     const axis = recording === undefined ? this.axis : first?.address;
-    const scope = new Scope(this.model, source, axis === undefined ? [] : presetOf(axis), query, true);
+    const capture = (run: TriggerRun, all: readonly Samples[]) => void this.capture(run, all);
+    const scope = new Scope(this.model, source, axis === undefined ? [] : presetOf(axis), query, true, recording === undefined ? capture : undefined);
     const events = new Events(this.model, source.events, () => true, ({ time }) => scope.goTo(time));
     this.parts = [scope, events];
     this.place.replaceChildren(scope.root, events.root);
@@ -74,6 +79,22 @@ export class ScopeView implements View {
     this.name.textContent = recording === undefined ? "" : `${recording.name}: ${recording.axes().map(({ address, name }) => `${address} ${name}`).join(", ")}`;
     this.cut.textContent = recording === undefined || recording.cut === "" ? "" : `${recording.name}: ${recording.cut}`;
     this.cut.hidden = this.cut.textContent === "";
+    return scope;
+  }
+
+  /** Opens what the black box keeps around a trigger, with the signals that are shown. */
+  private async capture({ trigger, found }: TriggerRun, all: readonly Samples[]): Promise<void> {
+    const bench = Number(trigger.axis.split(".")[0]);
+    try {
+      const window = await freeze(this.model, bench);
+      const recording = await recordingOfWindow(this.model, window, all.filter(({ axis }) => axis.bench === bench));
+      if (!this.root.isConnected) return;
+      const { strips } = parseScope(location.hash.split("?")[1] ?? "").state;
+      const scope = this.show(recording, strips === undefined ? "" : formatScope({ strips }));
+      if (found !== undefined) scope.markTime(found);
+    } catch (error) {
+      this.model.outcome = { ok: false, text: `${t("trigger")}: ${(error as Error).message}` };
+    }
   }
 
   private async openFile(file: File | undefined): Promise<void> {

@@ -207,7 +207,10 @@ export class Shell {
     if (name === "scope") return new ScopeView(this.model, new LiveSource(this.model, this.traces), ref && addressOf(ref), query, this.scopeMemory);
     if (ref !== undefined) {
       const [trace] = this.traces.show([ref]);
-      return new AxisView(this.model, trace, new LiveSource(this.model, this.traces, ref), query);
+      return new AxisView(this.model, trace, new LiveSource(this.model, this.traces, ref), query, (recording) => {
+        this.scopeMemory.recording = recording;
+        location.hash = "#/scope";
+      });
     }
     if (name === "control") return new ControlView(this.model);
     if (name === "overview") return new Overview(this.model, this.memory);
