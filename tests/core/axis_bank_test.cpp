@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The bank: the same bits for every way of stepping, snapshots, no allocation in a tick, random
+// The bank: the same bits however it is stepped, snapshots, no allocation in a tick, random
 // programmes, power cycle, periods, refused configurations.
 #include "vdrive/axis_bank.hpp"
 
@@ -43,7 +43,7 @@ ObjectAddress object(std::string_view variable_name) {
   return AxisUnderTest::address_of(variable_name);
 }
 
-/// Axes of every kind, so that blocks of both couplings and partly filled ones exist.
+/// Axes of every kind, so that there are blocks of both couplings and partly filled blocks.
 std::vector<AxisConfiguration> mixed_axes(std::size_t count) {
   std::vector<AxisConfiguration> axes(count);
   for (std::size_t i = 0; i < count; ++i) {
@@ -60,7 +60,7 @@ std::vector<AxisConfiguration> mixed_axes(std::size_t count) {
   return axes;
 }
 
-/// A command that suits the axis; now and then an input of the test bench that goes on or off.
+/// A command that suits the axis; now and then a test bench input that is switched on or off.
 test::Write draw(const AxisBank& bank, std::size_t axis, Random& random) {
   if (!random.one_in(8)) return test::draw_write(bank.status(axis), random);
   for (std::uint16_t input = 0x5E00; input <= 0x5E0A; ++input) {
@@ -70,7 +70,7 @@ test::Write draw(const AxisBank& bank, std::size_t axis, Random& random) {
                           : test::draw_write(bank.status(axis), random);
 }
 
-/// The same writes for every bank that shows the same.
+/// The same writes for all banks that show the same status.
 void write_randomly(AxisBank& bank, Random& random) {
   for (std::size_t axis = 0; axis < bank.size(); ++axis) {
     if (!random.one_in(20)) continue;
@@ -252,7 +252,7 @@ TEST(AxisBank, ACopiedSnapshotOutlivesItsOriginal) {
 TEST(AxisBank, ContinuesFromTheBytesOfASnapshotLikeTheBankThatWroteIt) {
   Random random(17);
   AxisBank bank(mixed_axes(13), microseconds{1000});
-  for (int tick = 0; tick < 300; ++tick) {  // parameters are changed too: gear, torque limits
+  for (int tick = 0; tick < 300; ++tick) {  // also changes parameters: gear, torque limits
     write_randomly(bank, random);
     bank.step();
   }
@@ -270,7 +270,7 @@ TEST(AxisBank, ContinuesFromTheBytesOfASnapshotLikeTheBankThatWroteIt) {
 }
 
 #ifdef __GLIBC__
-/// Allocated memory, and the stack below this frame, hold this byte before their owner writes to
+/// Allocated memory, and the stack below this frame, hold this byte until their owner writes to
 /// them.
 class MemoryFilledWith {
  public:
@@ -294,7 +294,8 @@ class MemoryFilledWith {
   }
 };
 
-// A journal would hold memory of the process, and two journals of one program would differ.
+// Otherwise a journal would contain memory of the process, and two journals of one program would
+// differ.
 TEST(AxisBank, WritesTheSameBytesOfASnapshotWhateverWasInTheMemoryBefore) {
   const auto bytes_after_writes = [](int byte) {
     const MemoryFilledWith filled(byte);
@@ -316,8 +317,8 @@ TEST(AxisBank, WritesTheSameBytesOfASnapshotWhateverWasInTheMemoryBefore) {
 
 // ---- noise of the load -------------------------------------------------------------------------
 
-/// Axes of `mixed_axes` with noise of 0.05 N.m, which moves those without power: that is what the
-/// Coulomb friction holds.
+/// Axes of `mixed_axes` with noise of 0.05 N.m, the most that Coulomb friction holds; it moves the
+/// axes without power.
 AxisBank noisy_bank(std::uint64_t seed) {
   AxisBank bank(mixed_axes(13), microseconds{1000});
   for (std::size_t axis = 0; axis < bank.size(); ++axis) bank.set_load_noise(axis, 0.05, seed);
@@ -381,8 +382,8 @@ TEST(LoadNoise, ReachesAnAxisThatHasSettled) {
   EXPECT_EQ(bank.status(4).motor_position_actual_value, 0);
 }
 
-/// Five axes are lanes 0 to 4 of one block. What the noise of lane 4 sets to 0x10, first of all the
-/// bytes of the state, is the mask of the lanes with noise.
+/// Five axes are lanes 0 to 4 of one block. The first byte of the state that noise on lane 4 sets
+/// to 0x10 is the mask of the lanes with noise.
 TEST(AxisBank, RefusesBytesWithALaneThatItsBlockDoesNotHave) {
   AxisBank bank(std::vector<AxisConfiguration>(5), microseconds{1000});
   const auto before = bank.snapshot().bytes();
@@ -416,7 +417,8 @@ TEST(AxisBank, RefusesBytesWithAModeThatTheDriveDoesNotHave) {
   EXPECT_NO_THROW(static_cast<void>(bank.snapshot_from(bytes)));
   for (const int mode : {5, 11, -1}) {
     auto forged = bytes;
-    // What went from 1 to 8 is the mode: its register, the one wanted, and the one in force.
+    // The bytes that went from 1 to 8 are the mode: its register, the requested mode, and the mode
+    // in force.
     for (std::size_t i = 0; i < forged.size(); ++i) {
       if (before[i] == std::byte{1} && bytes[i] == std::byte{8}) {
         forged[i] = static_cast<std::byte>(mode);
@@ -442,7 +444,7 @@ TEST(AxisBank, RefusesBytesWithAHomingRunByAMethodThatTheDriveDoesNotHave) {
   EXPECT_NO_THROW(static_cast<void>(bank.snapshot_from(two)));
   for (const int method : {0, 15, 36, -5}) {
     auto forged = two;
-    // What differs is the method: its register, and that of the run.
+    // The bytes that differ are the method: its register and the method of the run.
     for (std::size_t i = 0; i < forged.size(); ++i) {
       if (one[i] == std::byte{1} && two[i] == std::byte{2}) {
         forged[i] = static_cast<std::byte>(method);
@@ -594,8 +596,8 @@ TEST(AxisBank, WritingTheSameValueAgainChangesNoBit) {
   }
 }
 
-/// Writes to all axes of two banks that end a rest, or that a rest must keep: moves, windows
-/// and their times, disturbances, loss of power. Mostly nothing.
+/// Writes to all axes of two banks that end a rest, or that must not end it: moves, windows and
+/// their times, disturbances, loss of power. Mostly nothing.
 void disturb_rest(AxisBank& a, AxisBank& b, Random& random) {
   const std::array<std::pair<std::string_view, std::int64_t>, 9> writes{{
       {"position_target_reached_window_time", 900},
@@ -637,7 +639,7 @@ TEST(AxisBank, AnAxisAtRestBehavesAsIfEveryTickWereCalculated) {
     for (int tick = 0; tick < 3'000; ++tick) {
       disturb_rest(resting, watched, random);
       for (std::size_t axis = 0; axis < axes.size(); ++axis) {
-        // A written axis goes through all steps of its next tick.
+        // A written axis goes through every calculation of its next tick.
         watched.write(axis, object("profile_acc"), watched.read(axis, object("profile_acc")).value);
       }
       resting.step();
@@ -648,8 +650,8 @@ TEST(AxisBank, AnAxisAtRestBehavesAsIfEveryTickWereCalculated) {
 }
 
 TEST(AxisBank, TheTargetReachedTimeRunsWhileNothingOfAnAxisChanges) {
-  // 6068h is raised to 20 s after 25 s on the target, and to 60 s: bit 10 stays, and goes. Ten
-  // seconds after this move the integrator of the velocity loop has come to rest, too.
+  // 6068h is raised to 20 s after 25 s on the target: bit 10 stays set; then to 60 s: bit 10 is
+  // cleared. Ten seconds after this move the integrator of the velocity loop has come to rest, too.
   AxisUnderTest axis;
   axis.enable();
   axis.write("position_user_target_value", 10'000);
@@ -712,7 +714,7 @@ TEST(AxisBank, IgnoredSetPointsAreCountedBeforeTheNextTick) {
 // ---- random programmes
 // -------------------------------------------------------------------------------
 
-/// Axes of every kind that the generator draws, their programmes, and a watch for each.
+/// Axes of every kind that the generator draws, with their programmes and a watch for each axis.
 class WatchedBank {
  public:
   explicit WatchedBank(std::uint64_t seed) : random_(seed) {
@@ -729,7 +731,7 @@ class WatchedBank {
     }
   }
 
-  /// @return the programme of an axis and what it violates; empty = nothing.
+  /// @return the programme of an axis and its violation; empty if there is none.
   std::string run(int ticks) {
     for (int tick = 0; tick < ticks && violation_.empty(); ++tick) {
       for (axis_ = 0; axis_ < kAxes; ++axis_) {
@@ -748,7 +750,7 @@ class WatchedBank {
 
   void note(const std::string& line) { programmes_.at(axis_) += line + '\n'; }
 
-  /// @return what it did.
+  /// @return a description of the action.
   std::string act() {
     test::AxisCauses& causes = causes_.at(axis_);
     if (random_.one_in(200)) {
@@ -792,7 +794,7 @@ class WatchedBank {
   std::vector<test::AxisWatch> watches_;
   std::array<test::AxisCauses, kAxes> causes_;
   std::array<std::string, kAxes> programmes_;
-  std::size_t axis_ = 0;  ///< in hand
+  std::size_t axis_ = 0;  ///< the one being commanded
   std::string violation_;
 };
 
@@ -821,15 +823,15 @@ std::int64_t any_value(const ObjectDescription& row, Random& random) {
   }
 }
 
-/// A gear of 2^32 to 1 or a load of 2 MN.m spins an elastic pair up to where a double no longer
-/// holds the twist of its shaft; it would take hours to coast down.
+/// A gear of 2^32 to 1 or a load of 2 MN.m spins an elastic pair up until a double can no longer
+/// represent the twist of its shaft; coasting down would take hours.
 bool beyond_physics(const ObjectDescription& row, std::int64_t value) {
   const bool scales = row.address.index == 0x3576 || row.address.index == 0x3577 ||
                       row.address.index == 0x5E00 || row.address.index == 0x6076;
   return scales && std::abs(value) > 100'000;
 }
 
-/// Writes anything that the dictionary allows, and moves, for a while.
+/// For a while, writes any values that the dictionary allows, and moves.
 void abuse(AxisUnderTest& axis, Random& random, std::uint64_t ticks, bool physical) {
   for (std::uint64_t tick = 0; tick < ticks; ++tick) {
     if (random.one_in(10)) {
@@ -851,8 +853,8 @@ void abuse(AxisUnderTest& axis, Random& random, std::uint64_t ticks, bool physic
   }
 }
 
-/// After any writes, an axis with its defaults restored works again: no infinity
-/// and no NaN has got into its state.
+/// After any writes, an axis works again once its defaults are restored: no infinity and no NaN has
+/// got into its state.
 void expect_usable(AxisUnderTest& axis) {
   for (const ObjectDescription& row : kObjectTable) {
     if (row.access == Access::read_write) {
@@ -860,12 +862,11 @@ void expect_usable(AxisUnderTest& axis) {
     }
   }
   axis.axis().power_cycle();
-  axis.write("test_blocked_load", 1);  // the load may still fly
+  axis.write("test_blocked_load", 1);  // the load may still be spinning
   axis.step(2'000);
   axis.write("test_blocked_load", 0);
   axis.step(5'000);
-  axis.enable();  // removes whole turns of the registers from positions that an extreme gear has
-                  // made huge
+  axis.enable();  // removes whole turns from positions that an extreme gear has made huge
   axis.step(1'000);
   axis.command(0x0006);
   axis.step(1'000);
@@ -892,7 +893,7 @@ TEST(AxisBank, SurvivesAnyValueThatTheDictionaryAllows) {
     ASSERT_NO_FATAL_FAILURE(
         abuse(axis, random, 2'000, configuration.model.coupling == Coupling::two_inertia));
     ASSERT_NO_FATAL_FAILURE(expect_usable(axis));
-    abuse(axis, random, 500, false);  // for the sanitizers
+    abuse(axis, random, 500, false);  // for the sanitizers only
   }
 }
 

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// Two functions of the drive at once: limited jerk on a real plant and round a modulo range, touch
-// probes of a modulo axis, homing of drives with habits, quick stops of the modes without a profile
-// while 6086h asks for limited jerk. Figures are derived by hand; 4096 user units are one turn.
+// Two functions of the drive at the same time: limited jerk on a real plant and on a modulo range,
+// touch probes of a modulo axis, homing of drives with habits, quick stops of the modes without a
+// profile while 6086h asks for limited jerk. Figures are derived by hand; 4096 user units are one
+// turn.
 #include "core/support/axis_under_test.hpp"
 
 #include <gtest/gtest.h>
@@ -24,7 +25,7 @@ void round_profiles(AxisUnderTest& axis, std::int64_t jerk) {
   axis.write("profile_jerk_1", jerk);
 }
 
-/// Takes the absolute target at once, also in motion, and runs the first tick of its plan.
+/// Takes the absolute target immediately, even in motion, and runs the first tick of its plan.
 void go_to(AxisUnderTest& axis, std::int64_t target) {
   axis.write("position_user_target_value", target);
   axis.controlword(0x002F);
@@ -44,9 +45,9 @@ AxisConfiguration lifting_axis() {
 }
 
 TEST(LimitedJerkOfAPlant, NeedsTheTorqueOfTheWeightAndOfItsRoundedRamp) {
-  // 409600 UU/s² are 628.3 rad/s², on 6e-4 kg.m² 0.377 N.m: 125.7 per mille beside the 200 of the
-  // weight. By 4096000 UU/s³ they are there after 0.1 s, half of them after 0.05 s. 100000 UU/s are
-  // reached after 100000/409600 + 0.1 = 0.344 s.
+  // 409600 UU/s² are 628.3 rad/s², which take 0.377 N.m on 6e-4 kg.m²: 125.7 per mille on top of
+  // the 200 for the weight. With 4096000 UU/s³ they are reached after 0.1 s, half of them after
+  // 0.05 s; 100000 UU/s are reached after 100000/409600 + 0.1 = 0.344 s.
   AxisUnderTest axis(lifting_axis());
   round_profiles(axis, 4'096'000);
   axis.write("profile_velocity", 100'000);
@@ -94,7 +95,7 @@ TEST(LimitedJerkOfAPlant, EndsInAFollowingErrorAtAnEndStop) {
   axis.write("profile_velocity", 10'000);
   axis.enable();
   go_to(axis, 1'000'000);
-  // 6065h = 20480 UU behind the stop: some 2.2 s at 10000 UU/s.
+  // 6065h = 20480 UU beyond the stop: about 2.2 s at 10000 UU/s.
   ASSERT_NE(axis.step_until_state(PowerState::fault, 5'000), 0U);
   EXPECT_EQ(axis.status().error_code, 0x8611);
   EXPECT_NEAR(axis.actual(), 1'000, 1);
@@ -106,7 +107,7 @@ constexpr std::int64_t kSpanOfTable = 4'096;
 constexpr std::int64_t kPositiveWay = 2 + 128;  // 60F2h
 constexpr std::int64_t kShorterWay = 2 + 192;
 
-/// Shows positions from 0 to below `span`.
+/// Shows positions in [0, span).
 AxisConfiguration turntable(std::int32_t position, std::int64_t span = kSpanOfTable) {
   AxisConfiguration configuration;
   configuration.initial_position = position;
@@ -115,8 +116,8 @@ AxisConfiguration turntable(std::int32_t position, std::int64_t span = kSpanOfTa
   return configuration;
 }
 
-/// At 3900, on the way across the end of the range to 204: 400 UU by 1600000 UU/s³. These are four
-/// pieces of 0.05 s: 400 = 2 x 1600000 x 0.05³; 80000 UU/s² and 4000 UU/s at most.
+/// At 3900, moving across the end of the range to 204: 400 UU with 1600000 UU/s³. These are four
+/// pieces of 0.05 s: 400 = 2 x 1600000 x 0.05³; at most 80000 UU/s² and 4000 UU/s.
 class RoundedTurn : public testing::Test {
  protected:
   static constexpr std::int64_t kTurnJerk = 1'600'000;
@@ -147,18 +148,18 @@ class RoundedTurn : public testing::Test {
 
   AxisUnderTest& axis() { return axis_; }
 
-  /// From 3900 on.
+  /// Distance from 3900.
   [[nodiscard]] std::int64_t whole_way() const { return way_; }
 
  private:
-  /// Judges the tick: in the range, forward, and with the second difference of limited jerk.
+  /// Checks the tick: in the range, forward, and with the second difference of limited jerk.
   void note() {
     const std::int32_t velocity = axis_.demand_velocity();
     const std::int32_t change = velocity - velocity_;
     EXPECT_GE(axis_.demand(), 0);
     EXPECT_LT(axis_.demand(), kSpanOfTable);
     EXPECT_GE(velocity, 0) << "tick " << axis_.ticks();
-    // 1600000 UU/s³ x (1 ms)² is 1.6 UU/s, and 2 are of rounding.
+    // 1600000 UU/s³ x (1 ms)² is 1.6 UU/s; 2 more for rounding.
     EXPECT_LE(std::abs(change - change_), 4) << "tick " << axis_.ticks();
     velocity_ = velocity;
     change_ = change;
@@ -180,7 +181,7 @@ TEST_F(RoundedTurn, CrossesTheEndOfTheRangeInOnePiece) {
   EXPECT_EQ(axis().demand(), 3'933);  // 1600000 x 0.05³ / 6 = 33.33
   EXPECT_NEAR(axis().demand_velocity(), 2'000, 1);
   step(50);
-  EXPECT_EQ(axis().demand(), 4);  // half of the way: 4100
+  EXPECT_EQ(axis().demand(), 4);  // half the distance: 4100
   EXPECT_NEAR(axis().demand_velocity(), 4'000, 1);
   step(50);
   EXPECT_EQ(axis().demand(), 171);  // 33.33 before the end: 170.67
@@ -191,8 +192,8 @@ TEST_F(RoundedTurn, CrossesTheEndOfTheRangeInOnePiece) {
   EXPECT_EQ(whole_way(), 400);
 }
 
-// After 0.1 s the axis is at 4 with 4000 UU/s and would rest by this jerk 200 UU further on, at
-// 204. The ramp of 6084h alone would let it rest at 24.
+// After 0.1 s the axis is at 4 with 4000 UU/s; with this jerk it would come to rest 200 UU further
+// on, at 204. With the ramp of 6084h alone it would come to rest at 24.
 TEST_F(RoundedTurn, ReachesATargetBeforeThePlaceOfRestOfTheJerkATurnLater) {
   step(99);
   set_off(190, kPositiveWay);
@@ -212,10 +213,11 @@ TEST_F(RoundedTurn, ReachesATargetBehindThePlaceOfRestOfTheJerkInThisTurn) {
 // ---- touch probes of a modulo axis --------------------------------------------------------------
 
 TEST(TouchProbeOfAModuloAxis, LatchesPlacesOfTheRangeBehindItsEnd) {
-  // From 4000 over 0 to 500, 596 UU by 409600 UU/s²: 12671 UU/s at the first edge, 196 UU on, and
-  // 12800 UU/s at the second, 200 UU before the end. These are 1.6 UU in a sub-step of 125 us.
+  // From 4000 over 0 to 500, 596 UU with 409600 UU/s²: 12671 UU/s at the first edge, after 196 UU,
+  // and 12800 UU/s at the second, 200 UU before the end. At these speeds a sub-step of 125 us is
+  // 1.6 UU.
   AxisUnderTest axis(turntable(4'000));
-  axis.write("test_switch_home", 4'196);  // of the machine: 100 of the range
+  axis.write("test_switch_home", 4'196);  // in machine coordinates: 100 in the range
   axis.write("test_switch_home_length", 200);
   axis.write("touch_probe_function", 0x0031);  // both edges of the home switch
   axis.write("positioning_option_code", kPositiveWay);
@@ -231,8 +233,8 @@ TEST(TouchProbeOfAModuloAxis, LatchesPlacesOfTheRangeBehindItsEnd) {
 }
 
 TEST(TouchProbeOfAModuloAxis, LatchesEachIndexPulseInTheRange) {
-  // A range of 1000 UU and pulses each 4096 UU: the n-th one is at 96 n modulo 1000. At 40960 UU/s
-  // it is seen 5.12 UU behind at most. 4.2 s have 41 of them.
+  // A range of 1000 UU and a pulse every 4096 UU: the n-th pulse is at 96 n modulo 1000. At 40960
+  // UU/s it is detected at most 5.12 UU late. 4.2 s contain 41 of them.
   constexpr std::int64_t kRange = 1'000;
   constexpr std::int64_t kPulse = 4'096;
   AxisUnderTest axis(turntable(0, kRange));
@@ -257,7 +259,7 @@ TEST(TouchProbeOfAModuloAxis, LatchesEachIndexPulseInTheRange) {
 
 // ---- homing of drives with habits ---------------------------------------------------------------
 
-/// Homing mode by `method`, enabled; no run has begun.
+/// Homing mode with `method`, enabled; no run has started.
 void enable_homing(AxisUnderTest& axis, std::int64_t method) {
   axis.write("homing_method", method);
   axis.write("op_mode_cmd", 6);
@@ -323,13 +325,13 @@ TEST(HomingWithHabits, DroppingBit4EndsTheSearchForAMechanicalStop) {
 struct UnroundedRow {
   std::int64_t mode;
   const char* name;
-  const char* object;  // that is written in each tick
-  std::int64_t first;  // its value, and what is added in each tick
+  const char* object;  // written in each tick
+  std::int64_t first;  // its first value, and the increment per tick
   std::int64_t step;
   std::uint16_t word;
 };
 
-/// At some 20000 UU/s: 300 rpm x 4096 / 60 in mode 2; in mode 10 by 0.3 N.m on 6e-4 kg.m².
+/// At about 20000 UU/s: 300 rpm x 4096 / 60 in mode 2; in mode 10 from 0.3 N.m on 6e-4 kg.m².
 constexpr std::array<UnroundedRow, 4> kUnroundedRows{{
     {2, "velocity", "vl_target_velocity", 300, 0, 0x007F},
     {7, "interpolated_position", "interpolation_data_record", 20, 20, 0x001F},
@@ -352,7 +354,7 @@ class UnroundedQuickStop : public testing::TestWithParam<UnroundedRow> {
     ASSERT_GT(axis.velocity(), 15'000);
   }
 
-  /// @return what the demand loses in a tick, from the third tick of a stop on [UU/s].
+  /// @return the loss of the demand in a tick, from the third tick of a stop on [UU/s].
   static std::int32_t loss(AxisUnderTest& axis) {
     axis.step(2);
     const std::int32_t before = axis.demand_velocity();

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// 5E0Ah: the test bench loses the connection of an axis to its master.
+// 5E0Ah: the test bench cuts the connection of an axis to its master.
 #include "core/support/axis_under_test.hpp"
 #include "vdrive/axis_bank.hpp"
 
@@ -20,7 +20,7 @@ using enum PowerState;
 
 constexpr ObjectAddress kConnectionLoss{0x5E0A, 0};
 
-/// A bank of one axis on a long way at 40000 UU/s.
+/// A bank of one axis on a long move at 40000 UU/s.
 AxisBank running_bank(std::int64_t abort_connection_option_code) {
   AxisBank bank(std::vector<AxisConfiguration>(1), std::chrono::milliseconds{1});
   const auto put = [&bank](std::string_view name, std::int64_t value) {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Cyclic synchronous position mode (6060h = 8); and that the modes of an axis leave the bits of its
-// neighbours alone.
+// Cyclic synchronous position mode (6060h = 8); also, that the mode of an axis does not change the
+// bits of its neighbours.
 #include "core/support/axis_under_test.hpp"
 #include "vdrive/axis_bank.hpp"
 
@@ -27,7 +27,7 @@ using enum PowerState;
 
 constexpr std::uint16_t kFollows = 0x1000;  // bit 12
 
-/// Cyclic position in Operation enabled, at rest.
+/// Cyclic position, Operation enabled, at rest.
 void enable_cyclic_position(AxisUnderTest& axis) {
   axis.write("op_mode_cmd", 8);
   axis.command(0x000F);
@@ -43,7 +43,7 @@ bool follows(const AxisUnderTest& axis) {
   return (axis.statusword() & kFollows) != 0;
 }
 
-/// Streams with constant speed [UU a tick], from 0.
+/// Streams at constant speed [UU per tick], from 0.
 /// @return the last position
 std::int32_t stream_at(AxisUnderTest& axis, std::int32_t speed, int ticks) {
   for (int i = 1; i <= ticks; ++i) stream(axis, speed * i);
@@ -253,7 +253,7 @@ TEST(CyclicPosition, ABlockedAxisHasAFollowingError) {
   AxisUnderTest axis;
   enable_cyclic_position(axis);
   axis.write("test_blocked_load", 1);
-  stream_at(axis, 100, 400);  // 6065h = 20480 is passed after 205 ticks, 20 ms later it is a fault
+  stream_at(axis, 100, 400);  // 6065h = 20480 is exceeded after 205 ticks; fault 20 ms later
   axis.step(10);
   EXPECT_EQ(axis.statusword(), 0x2218);
   EXPECT_EQ(axis.read("error_code"), 0x8611);
@@ -302,20 +302,21 @@ TEST(CyclicPosition, AModeChangeWhileStreamingBrakesWith6084h) {
 }
 
 TEST(CyclicPosition, AStreamedSineIsFollowedWithinTheLagOfTheLoops) {
-  // Speed is fed forward, acceleration is not: the velocity loop's gain 2π·100 Hz needs a speed
-  // error of a/628, which the position loop's gain 2π·16 Hz makes of a/(628·100.5). Coulomb
-  // friction, 0.05 N.m on 6e-4 kg.m2 = 54325 UU/s², changes its sign at the turning points.
+  // Speed is fed forward, acceleration is not: with its gain of 2π·100 Hz the velocity loop needs a
+  // speed error of a/628, for which the position loop, with its gain of 2π·16 Hz, needs
+  // a/(628·100.5). Coulomb friction, 0.05 N.m on 6e-4 kg.m2 = 54325 UU/s², changes its sign at the
+  // turning points.
   constexpr double kAmplitude = 5'000.0;
   constexpr double kTwoPi = 2.0 * std::numbers::pi;
   const double acceleration = kAmplitude * kTwoPi * kTwoPi;  // 1 Hz
   const double friction = 0.05 / 6.0e-4 * 4096.0 / kTwoPi;
   const double bound =
-      (acceleration + 2.0 * friction) / (kTwoPi * 100.0 * kTwoPi * 16.0) + 1.0;  // and rounding
+      (acceleration + 2.0 * friction) / (kTwoPi * 100.0 * kTwoPi * 16.0) + 1.0;  // 1 for rounding
   ASSERT_LT(bound, 7.0);
   AxisUnderTest axis;
   enable_cyclic_position(axis);
   for (int i = 1; i <= 3'000; ++i) {
-    // Starts with the smooth half: no step in speed.
+    // Starts at a turning point: no step in speed.
     const double position = kAmplitude * (1.0 - std::cos(kTwoPi * i * 1.0e-3));
     stream(axis, static_cast<std::int32_t>(std::lround(position)));
     if (i > 50) {
@@ -344,7 +345,7 @@ TEST(CyclicPosition, RunsAtEveryPeriod) {
 TEST(SupportedDriveModes, AreThoseOfTheManualThatOfInvertersAndThoseOfStreams) {
   constexpr std::array<std::int64_t, 10> kWorking{0, 1, 2, 3, 4, 6, 7, 8, 9, 10};
   AxisUnderTest axis;
-  // 6502h: bit n - 1 for mode n, of 1 to 4 and 6 to 10.
+  // 6502h: bit n - 1 for mode n; modes 1 to 4 and 6 to 10.
   EXPECT_EQ(axis.read("supported_drive_modes"), 0x3EF);
   for (std::int64_t mode = -128; mode <= 127; ++mode) {
     const bool works = std::ranges::find(kWorking, mode) != kWorking.end();
@@ -381,7 +382,7 @@ ObjectAddress object(std::string_view name) {
 
 using StatusWords = std::array<std::uint32_t, sizeof(AxisStatus) / sizeof(std::uint32_t)>;
 
-/// Eight axes in one block. The fourth runs profile position; its neighbours run `modes`.
+/// Eight axes in one block. The fourth runs profile position, its neighbours run `modes`.
 std::vector<StatusWords> run_beside(Coupling coupling, const std::array<std::int64_t, 7>& modes) {
   std::vector<AxisConfiguration> axes(8);
   for (AxisConfiguration& axis : axes) axis.model.coupling = coupling;

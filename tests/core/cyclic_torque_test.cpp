@@ -15,7 +15,7 @@ using std::chrono::microseconds;
 using test::AxisUnderTest;
 using enum PowerState;
 
-/// Cyclic torque in Operation enabled, at rest.
+/// Cyclic torque, Operation enabled, at rest.
 void enable_cyclic_torque(AxisUnderTest& axis) {
   axis.write("op_mode_cmd", 10);
   axis.command(0x000F);
@@ -27,7 +27,8 @@ void stream_torque(AxisUnderTest& axis, std::int32_t torque) {
   axis.step();
 }
 
-/// Under `torque` at the speed that 607Fh allows, 40000 UU/s; ramps of 50, 100 and 200 UU/s a tick.
+/// With `torque` at the speed that 607Fh allows, 40000 UU/s; ramps of 50, 100 and 200 UU/s per
+/// tick.
 void run_with_streamed(AxisUnderTest& axis, std::int32_t torque) {
   axis.write("profile_dec", 50'000);
   axis.write("quick_stop_deceleration", 100'000);
@@ -39,8 +40,8 @@ void run_with_streamed(AxisUnderTest& axis, std::int32_t torque) {
   ASSERT_GT(axis.velocity() * (torque < 0 ? -1 : 1), 35'000);
 }
 
-// 6074h is the command of the last of the 8 servo cycles of a tick: at the end of the tick the
-// torque is the target, in its last cycle 7/8 of the way.
+// 6074h is the command of the last of the 8 servo cycles of a tick. At the end of the tick the
+// torque is the target; in its last cycle it is 7/8 of the way there.
 TEST(CyclicTorque, TheTorqueIsTheTargetAtTheEndOfItsTick) {
   for (const int sign : {1, -1}) {
     AxisUnderTest axis;
@@ -63,7 +64,7 @@ TEST(CyclicTorque, TheTorqueChangesInEqualPartsOver60C2h) {
   axis.write("target_torque", 800);
   for (int tick = 1; tick <= 10; ++tick) {
     axis.step();
-    // 80 a tick, 10 a servo cycle: the last cycle commands 10 less than the end.
+    // 80 per tick, 10 per servo cycle: the last cycle commands 10 less than the value at the end.
     ASSERT_EQ(axis.status().torque_demand, 80 * tick - 10);
     ASSERT_TRUE(axis.follows_command()) << "on its way";
   }
@@ -96,7 +97,7 @@ TEST(CyclicTorque, AMissingUpdateHoldsTheTorque) {
 TEST(CyclicTorque, TakesTheTorqueOverFromTheLoopThatHeldTheAxis) {
   AxisUnderTest axis;
   enable_cyclic_torque(axis);
-  axis.write("test_load_torque", -600);  // held by 200 per mille of 3 N.m, give or take friction
+  axis.write("test_load_torque", -600);  // held by 200 per mille of 3 N.m, plus or minus friction
   axis.step(3'000);
   ASSERT_NEAR(axis.status().torque_demand, 200, 18);
   const std::int32_t held = axis.status().torque_demand;
@@ -155,7 +156,7 @@ TEST(CyclicTorque, QuickStopBrakesUnderPositionControl) {
 TEST(CyclicTorque, HaltTakesTheTorqueBackWith6087hAndEndsTheStream) {
   AxisUnderTest axis;
   axis.write("test_blocked_load", 1);
-  axis.write("torque_slope", 8'000);  // 8 per mille a tick
+  axis.write("torque_slope", 8'000);  // 8 per mille per tick
   enable_cyclic_torque(axis);
   stream_torque(axis, 400);
   axis.step();

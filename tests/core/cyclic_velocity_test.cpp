@@ -15,7 +15,7 @@ using std::chrono::microseconds;
 using test::AxisUnderTest;
 using enum PowerState;
 
-/// Cyclic velocity in Operation enabled, at rest.
+/// Cyclic velocity, Operation enabled, at rest.
 void enable_cyclic_velocity(AxisUnderTest& axis) {
   axis.write("op_mode_cmd", 9);
   axis.command(0x000F);
@@ -52,13 +52,15 @@ TEST(CyclicVelocity, TheAxisRunsAtTheVelocity) {
   }
 }
 
-// At a blocked load the torque of the velocity loop shows its demand. 6074h is the command of the
-// last of the 8 sub-steps of a tick, which samples 7/8 of its way. In accelerations, with the loop
-// of 100 Hz (gain 200π/s, integrator 0.1·(200π)²/s² · 125 µs = 4.935/s a sub-step):
+// With a blocked load the torque of the velocity loop shows its demand. 6074h is the command of the
+// last of the 8 sub-steps of a tick, which samples the demand at 7/8 of its way. As accelerations,
+// with the loop of 100 Hz (gain 200π/s, integrator 0.1·(200π)²/s² · 125 µs = 4.935/s per sub-step):
 //   first tick: 628.3·7/8 + 4.935·(0 + 1 + ... + 6)/8 + 1/1 ms fed forward = 1562.7/s of the
-//   velocity second: 628.3 + 4.935·(28/8 + 7) = 680.1/s, and nothing fed forward.
-// 1000 UU/s at 1/s are 2π·1000/4096 rad/s², with 6e-4 kg.m² of 3 N.m 0.30680 per mille: 479.4 and
-// 208.7. A step at the begin of the tick would command 628.3 + 4.935·7 = 662.8/s without the rest.
+//   velocity
+//   second tick: 628.3 + 4.935·(28/8 + 7) = 680.1/s, and nothing fed forward.
+// 1000 UU/s at 1/s are 2π·1000/4096 rad/s², which are 0.30680 per mille with 6e-4 kg.m² and 3 N.m:
+// 479.4 and 208.7. A step at the beginning of the tick would command 628.3 + 4.935·7 = 662.8/s
+// without the rest.
 TEST(CyclicVelocity, TheVelocityRampsWithinItsTick) {
   AxisUnderTest axis;
   axis.write("test_blocked_load", 1);
@@ -76,7 +78,7 @@ TEST(CyclicVelocity, AnOldTargetMovesNothing) {
   EXPECT_EQ(axis.statusword(), 0x0237) << "no command is followed yet";
   axis.step(200);
   EXPECT_EQ(axis.actual(), 0);
-  stream_velocity(axis, 50'000);  // the same value, and the first one that counts
+  stream_velocity(axis, 50'000);  // the same value, but the first one that counts
   EXPECT_EQ(axis.demand_velocity(), 50'000);
   EXPECT_TRUE(axis.follows_command());
 }

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a write of each writable object changes, and when: at once, with the next set-point, or with
-// the next transition 4. One row an object; the rows together must be all writable objects of both
-// tables.
+// The effect of a write of each writable object, and when it takes place: immediately, with the
+// next set-point, or with the next transition 4. One row per object; the rows together must cover
+// all writable objects of both tables.
 #include "core/support/axis_under_test.hpp"
 #include "core/support/csv.hpp"
 
@@ -22,11 +22,11 @@ namespace {
 using test::AxisUnderTest;
 using test::CsvRow;
 
-/// An object, a value, and a figure that shows its effect.
+/// An object, a value, and a figure that shows the effect.
 struct EffectRow {
   const char* object;
   std::int64_t value;
-  double without;  // the figure
+  double without;  // figure without the write
   double with;
   std::function<void(AxisUnderTest&)> prepare;
   std::function<double(AxisUnderTest&)> figure;  // may step
@@ -53,7 +53,7 @@ void moving(AxisUnderTest& axis) {
   axis.step(200);
 }
 
-/// Speeding up with a ramp that lasts for long.
+/// Accelerating on a long ramp.
 void speeding_up(AxisUnderTest& axis) {
   axis.write("profile_velocity", 100'000);
   axis.enable();
@@ -73,7 +73,7 @@ void quick_stopping(AxisUnderTest& axis) {
   axis.command(0x0002);
 }
 
-/// Pressed by the whole motor torque against a blocked load. sign +1 or -1.
+/// Pressed by the full motor torque against a blocked load; sign +1 or -1.
 void pressing(AxisUnderTest& axis, int sign) {
   axis.write("following_error_window", 0xFFFFFFFF);
   axis.write("test_blocked_load", 1);
@@ -91,7 +91,7 @@ void pressing_backward(AxisUnderTest& axis) {
   pressing(axis, -1);
 }
 
-/// A load pushes the enabled axis away: its torque is limited to almost zero.
+/// A load pushes the enabled axis away, whose torque is limited to almost zero.
 void pushed(AxisUnderTest& axis) {
   axis.write("following_error_window", 0xFFFFFFFF);
   axis.write("positive_torque_limit_relative", 1);
@@ -104,7 +104,7 @@ void pushed(AxisUnderTest& axis) {
 // ---- figures
 // ----------------------------------------------------------------------------------------
 
-/// What the demand's speed loses or gains in the next tick [units/s²].
+/// Change of the demand's speed in the next tick [units/s²].
 double ramp(AxisUnderTest& axis) {
   const std::int32_t before = axis.demand_velocity();
   axis.step();
@@ -131,7 +131,7 @@ double torque(AxisUnderTest& axis) {
   return axis.status().torque_actual_value;
 }
 
-/// Ticks from a set-point without length to bit 10.
+/// Ticks from a set-point of zero length to bit 10.
 double ticks_to_reached(AxisUnderTest& axis) {
   axis.command(0x000F);
   axis.command(0x003F);
@@ -178,7 +178,7 @@ std::vector<EffectRow> motion_rows() {
     axis.step();
     return static_cast<double>(axis.status().op_mode_actual);
   };
-  // A halt from a constant velocity, in its second tick: J·((2 ms)² - (1 ms)²)/2 over 1 ms.
+  // A halt from constant velocity, in its second tick: J·((2 ms)² - (1 ms)²)/2 over 1 ms.
   constexpr double kTrapezoid = 409'600.0;
   constexpr double kOfDefaultJerk = 6'144.0;  // 4096000 units/s³
   const auto begin_of_halt = [](AxisUnderTest& axis) {
@@ -232,7 +232,7 @@ std::vector<EffectRow> window_rows() {
   };
   return {
       {"position_target_reached_window", 1'000'000, 0.0, 1.0, pushed, reached},
-      // Reached with the first tick whose time in the window exceeds 6068h.
+      // Reached in the first tick whose time in the window exceeds 6068h.
       {"position_target_reached_window_time", 50, 21.0, 51.0, enabled, ticks_to_reached, 1.0},
       {"app_position_limit_switch", 1, 0.0, 0x0880, beyond_a_limit, limit_bits},
       {"user_position_lower_limit", 10, 0.0, 0x0880, at_position_0_with_limits, limit_bits},
@@ -269,11 +269,11 @@ std::vector<EffectRow> torque_rows() {
     axis.step(3'000);
   };
   return {
-      // Pressing against a blocked load the torque is at its limit [‰ of 6076h].
+      // Pressing against a blocked load, the torque is at its limit [‰ of 6076h].
       {"positive_torque_limit_relative", 200, 3'000.0, 200.0, pressing_forward, torque, 1.0},
       {"negative_torque_limit_relative", 200, -3'000.0, -200.0, pressing_backward, torque, 1.0},
       {"max_torque", 500, 3'000.0, 500.0, pressing_forward, torque, 1.0},
-      // Holding 3 N.m, that is 5 A at 0.6 N.m/A, give or take the friction of 0.05 N.m.
+      // Holding 3 N.m, which is 5 A at 0.6 N.m/A, plus or minus the friction of 0.05 N.m.
       {"motor_rated_torque", 6'000, 1'000.0, 500.0, holding, torque, 17.0},
       {"motor_rated_current", 10'000, 1'000.0, 500.0, holding, current, 17.0},
   };
@@ -317,7 +317,7 @@ std::vector<EffectRow> bench_rows() {
     return static_cast<double>(axis.read("error_history_count"));
   };
   return {
-      // 1 N.m less 0.05 N.m of friction on 6e-4 kg.m2; 606Ch lags half a tick of the ten.
+      // 1 N.m minus 0.05 N.m of friction, on 6e-4 kg.m2; 606Ch lags by half a tick of the ten.
       {"test_load_torque", 1'000, 0.0, 0.95 / 6.0e-4 * test::kUnitsPerRadian, nothing, acceleration,
        70'000.0},
       {"test_blocked_load", 1, 1.0, 0.0, moving, blocked_speed},
@@ -331,7 +331,7 @@ std::vector<EffectRow> bench_rows() {
       {"test_positive_limit_input", 1, 0.0, 2.0, nothing, inputs},
       {"test_negative_limit_input", 1, 0.0, 1.0, nothing, inputs},
       {"test_home_input", 1, 0.0, 4.0, nothing, inputs},
-      // The axis stands at 0, on the switch: at and beyond its position.
+      // The axis is at 0, on the switch, which is active at and beyond its position.
       {"test_switch_positive_limit", 0, 0.0, 2.0, nothing, inputs},
       {"test_switch_negative_limit", 0, 0.0, 1.0, nothing, inputs},
       {"test_switch_home", -10, 0.0, 4.0,
@@ -404,7 +404,8 @@ TEST(EffectAtSetPoint, TheProfileVelocityWaitsForTheNextEdgeOfBit4) {
 }
 
 TEST(EffectAtSetPoint, ThePositioningOptionWaitsForTheNextEdgeOfBit4) {
-  // From the target 5000 instead of the actual position: the relative move is written on the way.
+  // From the target 5000 instead of the actual position: the relative move is written during a
+  // move.
   AxisUnderTest axis;
   axis.write("profile_velocity", 10'000);
   axis.enable();
@@ -424,7 +425,7 @@ TEST(EffectAtSetPoint, ThePositioningOptionWaitsForTheNextEdgeOfBit4) {
 struct LaterRow {
   const char* object;
   std::int64_t value;
-  std::int32_t speed;  // that it allows
+  std::int32_t speed;  // the speed that it allows
 };
 
 class EffectAtEnable : public testing::TestWithParam<LaterRow> {};
@@ -458,7 +459,7 @@ INSTANTIATE_TEST_SUITE_P(Dictionary, EffectAtEnable, testing::ValuesIn(kAtEnable
 // ---- the rows together
 // -------------------------------------------------------------------------------
 
-/// Objects of single modes and habits of other drives; the tests of the modes and
+/// Objects of particular modes, and habits of other drives; the tests of the modes and
 /// tests/core/habits_test.cpp show their effects.
 const std::set<std::string> kOfOtherModes{"velocity_window",
                                           "velocity_window_time",

@@ -34,12 +34,12 @@ using test::read_csv;
 
 const std::string kData = VDRIVE_SOURCE_DIR "/tests/data/";
 
-// The file to change when a row of the table and another file differ.
+// The file to change when a row of the table differs from another file.
 constexpr std::string_view kTable = "core/include/vdrive/dictionary/object_table.hpp";
 constexpr std::string_view kManualCsv = "tests/data/object-dictionary.csv";
 constexpr std::string_view kCompanionCsv = "tests/data/companion-objects.csv";
 
-/// Modes that 6060h takes; bit n - 1 of 6502h stands for mode n: pp, vl, pv, tq, hm, ip, csp,
+/// Modes that 6060h accepts; bit n - 1 of 6502h stands for mode n: pp, vl, pv, tq, hm, ip, csp,
 /// csv, cst.
 const std::set<std::int64_t> kWorkingModes{0, 1, 2, 3, 4, 6, 7, 8, 9, 10};
 constexpr std::int64_t kModeBits = 0b11'1110'1111;
@@ -64,7 +64,7 @@ void expect_common_cells(const ObjectDescription& object, const CsvRow& row) {
   EXPECT_EQ(to_string(object.data_type), row.at("data_type"));
   EXPECT_EQ(object.lower_limit, std::stoll(row.at("lower_limit")));
   EXPECT_EQ(object.upper_limit, std::stoll(row.at("upper_limit")));
-  // 6502h shows the supported modes: the tables give those of the first version.
+  // 6502h shows the supported modes; the CSV tables list those of the first version.
   EXPECT_EQ(object.default_value,
             object.address.index == 0x6502 ? kModeBits : std::stoll(row.at("default_value")));
   EXPECT_EQ(object.units, row.at("units"));
@@ -84,8 +84,8 @@ TEST(ObjectTable, HoldsEveryCellOfTheManualsTable) {
     EXPECT_EQ(object.name_zh, row.at("name_zh"));
     EXPECT_EQ(object.category, row.at("category"));
     EXPECT_EQ(object.origin, Origin::manual);
-    // The manual knows "immediately" and "read only"; the notes on 607Ah, 607Fh, 6080h, 6081h and
-    // 60F2h are more specific.
+    // The manual distinguishes only "immediately" and "read only"; its notes on 607Ah, 607Fh,
+    // 6080h, 6081h and 60F2h are more specific.
     EXPECT_EQ(object.effective == Effective::read_only ? "只读" : "立即", row.at("effective"));
   }
 }
@@ -126,7 +126,7 @@ TEST(AddressSuggestion, IsOfTheFourHexDigitsOfAnIndex) {
   }
 }
 
-/// FNV-1a of the description of the objects that a client has.
+/// FNV-1a over the object descriptions that clients have.
 std::uint32_t dictionary_check() {
   constexpr std::uint32_t kOffset = 2166136261U;
   constexpr std::uint32_t kPrime = 16777619U;
@@ -155,7 +155,7 @@ TEST(ObjectTable, HasANewVersionWhenItsRowsChange) {
 TEST(ObjectTable, GivesTheMomentOfEffectFromTheManualsMoreSpecificNotes) {
   using namespace literals;
   // 607Ah and 6081h: "bit 4 has to go from 0 to 1 before they take effect"; 607Fh: "only after
-  // disabling and enabling again"; 6080h bounds 607Fh and goes with it.
+  // disabling and enabling again"; 6080h bounds 607Fh and takes effect with it.
   EXPECT_EQ(describe("position_user_target_value"_object).effective, Effective::at_set_point);
   EXPECT_EQ(describe("profile_velocity"_object).effective, Effective::at_set_point);
   EXPECT_EQ(describe("positioning_option_code"_object).effective, Effective::at_set_point);
@@ -166,7 +166,7 @@ TEST(ObjectTable, GivesTheMomentOfEffectFromTheManualsMoreSpecificNotes) {
   EXPECT_EQ(describe("profile_dec"_object).effective, Effective::immediately);
 }
 
-// docs/reference/wire.md: a write of one of the ten acquires a free axis; any session may write
+// docs/reference/wire.md: a write to one of the ten acquires a free axis; any session may write
 // 5E00h to 5E0Ch, 5E20h and 5E21h.
 TEST(ObjectTable, MarksTheCommandObjectsAndTheTestInputs) {
   std::vector<ObjectAddress> commands;
@@ -294,17 +294,19 @@ TEST(ObjectAddressCheck, NamesTheMissingPartOfEveryUnknownAddress) {
 // ---- each object x {below, lowest, default, highest, above, outside the type} x {read, write}
 // -----
 
-/// 0, the methods of CiA 402-2, which reserves 15, 16, 31 and 32, and those of a mechanical stop.
+/// 0, the methods of CiA 402-2 (15, 16, 31 and 32 are reserved), and those that search for a
+/// mechanical stop.
 const std::set<std::int64_t> kHomingMethods{-4, -3, -2, -1, 0,  1,  2,  3,  4,  5,  6,  7,  8,
                                             9,  10, 11, 12, 13, 14, 17, 18, 19, 20, 21, 22, 23,
                                             24, 25, 26, 27, 28, 29, 30, 33, 34, 35, 37};
 
-/// The answer that the sheet requires for a write: access first, then the range of the row (a value
-/// outside the type is outside the row's range too), then the narrower rules of single objects.
+/// The answer that the sheet requires for a write. Access is checked first, then the range of the
+/// row (a value outside the type is also outside the row's range), then the narrower rules of
+/// single objects.
 AbortCode expected_answer(const ObjectDescription& object, std::int64_t value) {
   if (object.access == Access::read_only) return AbortCode::write_of_read_only_object;
-  // 1003h:00, "write 0 to sub 0 empties it; any other value is refused", 6098h, "0 or a supported
-  // method", 6086h and 60A3h: for any range of the row.
+  // 1003h:00, "write 0 to sub 0 empties it; any other value is refused"; 6098h, "0 or a supported
+  // method"; 6086h and 60A3h: whatever the range of the row.
   constexpr std::array<std::uint16_t, 4> kByMeaning{0x1003, 0x6086, 0x6098, 0x60A3};
   const bool by_meaning = std::ranges::find(kByMeaning, object.address.index) != kByMeaning.end();
   const TypeRange type = range_of(object.data_type);
@@ -315,7 +317,7 @@ AbortCode expected_answer(const ObjectDescription& object, std::int64_t value) {
       return kWorkingModes.contains(value) ? AbortCode::none : AbortCode::value_range_exceeded;
     case 0x6098:
       return kHomingMethods.contains(value) ? AbortCode::none : AbortCode::value_range_exceeded;
-    case 0x6086:  // a trapezoid, limited jerk
+    case 0x6086:  // trapezoid or limited jerk
       return value == 0 || value == 3 ? AbortCode::none : AbortCode::value_range_exceeded;
     case 0x60A3:  // one jerk for both ramps, or one for each
       return value == 1 || value == 2 ? AbortCode::none : AbortCode::value_range_exceeded;
@@ -326,7 +328,7 @@ AbortCode expected_answer(const ObjectDescription& object, std::int64_t value) {
       const bool is_refused = (subindex == 3 && value != 0) || (subindex == 5 && value != 4);
       return is_refused ? AbortCode::value_range_exceeded : AbortCode::none;
     }
-    case 0x60B8: {  // CiA 402-2: bits 6, 7, 14 and 15 are the maker's; source 3 is reserved
+    case 0x60B8: {  // CiA 402-2: bits 6, 7, 14, 15 are manufacturer-specific; source 3 is reserved
       const bool has_meaning =
           (value & 0xC0C0) == 0 && (value & 0x000C) != 0x000C && (value & 0x0C00) != 0x0C00;
       return has_meaning ? AbortCode::none : AbortCode::value_range_exceeded;
@@ -341,7 +343,7 @@ AbortCode expected_answer(const ObjectDescription& object, std::int64_t value) {
                  : AbortCode::value_range_exceeded;
     case 0x1003:  // only 0 empties the history
       return value == 0 ? AbortCode::none : AbortCode::value_range_exceeded;
-    case 0x1010:  // "save" and "load", which the sweep does not try
+    case 0x1010:  // "save" and "load", which the sweep does not write
     case 0x1011:
       return AbortCode::cannot_store_or_transfer;
     default:
@@ -546,7 +548,7 @@ TEST(ValuesOfAnObject, AreListedWhereTheyAreFew) {
   const auto text_of = [](std::string_view name) {
     return values_text(*find_object(name));
   };
-  // Modes that 6502h shows, and 0; methods of the drive, and 0; the manual's option codes.
+  // Modes that 6502h shows, and 0; the drive's methods, and 0; the manual's option codes.
   EXPECT_EQ(text_of("op_mode_cmd"), "0, 1, 2, 3, 4, 6, 7, 8, 9 or 10");
   EXPECT_EQ(text_of("homing_method"), "-4 to 14, 17 to 30, 33 to 35 or 37");
   EXPECT_EQ(text_of("positioning_option_code"), "0, 1 or 2");
@@ -556,7 +558,7 @@ TEST(ValuesOfAnObject, AreListedWhereTheyAreFew) {
   EXPECT_EQ(text_of("ds402_statusword"), "0 to 65535") << "what it shows: nothing is written";
 }
 
-// A list that has a value which the drive refuses, or lacks one that it takes, is wrong.
+// The list is wrong if it contains a value that the drive refuses or lacks one that it accepts.
 TEST(ValuesOfAnObject, AreThoseThatTheDriveTakes) {
   for (const ObjectDescription& object : kObjectTable) {
     const ObjectRow row = *find_object(object.address);

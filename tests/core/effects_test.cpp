@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // The effects of a real axis: weight, holding brake, cogging, torque ripple, encoder noise, end
 // stops, heat of the motor. Figures are derived by hand from the SI parameters; 4096 user units are
-// one revolution, the rated torque 6076h is 3 N.m, the rated current 6075h 5 A.
+// one revolution, the rated torque 6076h is 3 N.m, the rated current 6075h is 5 A.
 #include "plant/effects.hpp"
 
 #include "core/support/axis_under_test.hpp"
@@ -30,7 +30,7 @@ using std::chrono::microseconds;
 using test::AxisUnderTest;
 using test::kUnitsPerRadian;
 
-/// Motor and load of 3e-4 kg.m2 each, without friction.
+/// Motor and load of 3e-4 kg.m2 each, no friction.
 AxisConfiguration smooth_axis(Coupling coupling = Coupling::rigid) {
   AxisConfiguration configuration;
   configuration.model.coupling = coupling;
@@ -39,7 +39,7 @@ AxisConfiguration smooth_axis(Coupling coupling = Coupling::rigid) {
   return configuration;
 }
 
-/// Enabled, in profile position mode, at rest at `position`.
+/// Enabled in profile position mode, at rest at `position`.
 void stand_at(AxisUnderTest& axis, std::int32_t position) {
   axis.enable();
   axis.write("position_user_target_value", position);
@@ -95,7 +95,7 @@ TEST(Gravity, AddsToTheTestLoadTorque) {
 
 // ---- holding brake -----------------------------------------------------------------------------
 
-/// A vertical axis of -1000 rad/s² with a brake.
+/// A vertical axis that falls with -1000 rad/s², with a brake.
 AxisConfiguration braked_axis(double brake_torque, Coupling coupling = Coupling::rigid) {
   AxisConfiguration configuration = smooth_axis(coupling);
   configuration.model.gravity_torque = -0.6;
@@ -113,7 +113,7 @@ TEST(HoldingBrake, HoldsAVerticalAxisWithoutPower) {
 }
 
 TEST(HoldingBrake, HoldsTheMotorOfAnElasticAxis) {
-  // The weight falls into the shaft at first, which gives twice its 0.6 N.m.
+  // At first the weight drops onto the shaft, which gives twice its 0.6 N.m.
   AxisUnderTest axis(braked_axis(2.0, Coupling::two_inertia));
   axis.step(2'000);
   EXPECT_EQ(axis.status().motor_position_actual_value, 0);
@@ -136,7 +136,7 @@ TEST(HoldingBrake, LetsTheLoadOfAnElasticAxisHangOnItsShaft) {
 TEST(HoldingBrake, SlipsUnderMoreThanItsTorque) {
   AxisUnderTest axis(braked_axis(0.5));
   axis.step(200);
-  // 0.1 N.m are left on 6e-4 kg.m2: 166.7 rad/s².
+  // 0.1 N.m remain for 6e-4 kg.m2: 166.7 rad/s².
   EXPECT_NEAR(axis.actual(), -0.5 * (1.0 / 6.0e-3) * kUnitsPerRadian * 0.04, 1.5);
 }
 
@@ -149,8 +149,8 @@ TEST(HoldingBrake, MeetsTheLoadOfAGearThatIsSetWhileItIsClosed) {
   ASSERT_EQ(axis.status().motor_position_actual_value, 0);
   axis.write("gear_ratio_numerator", 2);
   axis.step(200);
-  // At the motor the weight is 0.6 N.m now, and the inertia of the load four times its 3e-4 kg.m2:
-  // 0.2 N.m are left on 15e-4 kg.m2.
+  // At the motor the weight is now 0.6 N.m, and the inertia of the load four times its 3e-4 kg.m2:
+  // 0.2 N.m remain for 15e-4 kg.m2.
   EXPECT_NEAR(axis.status().motor_position_actual_value,
               -0.5 * (0.2 / 15.0e-4) * kUnitsPerRadian * 0.04, 1.5);
 }
@@ -182,8 +182,8 @@ TEST(HoldingBrake, CatchesAFallingAxisItsEngageTimeAfterThePowerStageIsOff) {
   axis.step(3'000);
   axis.command(0x0000);
   axis.step(500);
-  // 30 ms of free fall at 1000 rad/s²: 30 rad/s and 0.45 rad. Then 2 - 0.6 N.m brake with
-  // 2333 rad/s²: 30²/(2·2333) = 0.1929 rad more.
+  // 30 ms of free fall at 1000 rad/s²: 30 rad/s and 0.45 rad. Then 2 - 0.6 N.m brake at 2333
+  // rad/s²: another 30²/(2·2333) = 0.1929 rad.
   EXPECT_NEAR(axis.actual(), -(0.45 + 0.1929) * kUnitsPerRadian, 4.0);
   const std::int32_t rest = axis.actual();
   axis.step(2'000);
@@ -231,9 +231,9 @@ TEST(HoldingBrake, StaysOpenWhenThePowerComesBeforeItHasClosed) {
     most = std::max<std::int32_t>(most, axis.status().torque_actual_value);
   }
   // 100,000 UU/s² are 153 rad/s², which take 0.092 N.m or 31 ‰ of 3 N.m. The closed brake would
-  // take 667 ‰, and open in the 50th tick.
+  // take 667 ‰ and open in the 50th tick.
   EXPECT_NEAR(most, 31, 15);
-  // The demand has gone 0.5 · 100,000 · 0.04² = 80 UU.
+  // The demand has moved 0.5 · 100,000 · 0.04² = 80 UU.
   EXPECT_NEAR(axis.actual(), 80, 10);
 }
 
@@ -241,7 +241,7 @@ TEST(HoldingBrake, IsClosedInTheFirstTickWithPower) {
   AxisConfiguration configuration = braked_axis(2.0);
   configuration.model.brake_release_time = 0.05;
   AxisUnderTest axis(configuration);
-  axis.enable();  // no tick without power before
+  axis.enable();  // with no tick without power before it
   axis.step(48);
   EXPECT_EQ(axis.actual(), 0);
   EXPECT_EQ(axis.status().torque_actual_value, 0);
@@ -262,7 +262,7 @@ TEST(HoldingBrake, DropsWhenAFaultTakesThePower) {
   AxisUnderTest axis(braked_axis(2.0));
   axis.enable();
   axis.step(3'000);
-  axis.write("test_encoder_failure", 1);  // cannot brake: the power goes at once
+  axis.write("test_encoder_failure", 1);  // the axis cannot brake: the power is removed at once
   axis.step(1'000);
   EXPECT_NEAR(axis.actual(), 0, 3);
   EXPECT_EQ(axis.velocity(), 0);
@@ -270,7 +270,7 @@ TEST(HoldingBrake, DropsWhenAFaultTakesThePower) {
 
 // ---- cogging and torque ripple -----------------------------------------------------------------
 
-// Two parabolas instead of a sine, which has other last bits on other machines.
+// Two parabolas instead of a sine, whose last bits differ between machines.
 TEST(SineOfTurns, IsExactAtQuartersAndNearBetween) {
   EXPECT_EQ(sine_of_turns(0.0), 0.0);
   EXPECT_EQ(sine_of_turns(0.25), 1.0);
@@ -296,8 +296,8 @@ AxisConfiguration cogging_axis(Coupling coupling = Coupling::rigid) {
 
 TEST(Cogging, PullsTheMotorToTheBeginningOfAPeriod) {
   for (const Coupling coupling : {Coupling::rigid, Coupling::two_inertia}) {
-    // A quarter of a turn: the whole 0.3 N.m back, which is 10 % of 3 N.m; an eighth: sin(45°) of
-    // it, 70.7 ‰.
+    // At a quarter of a turn the full 0.3 N.m pull back, which is 10 % of 3 N.m; at an eighth,
+    // sin(45°) of it, 70.7 ‰.
     struct Row {
       std::int32_t position;
       std::int32_t torque;  // [‰]
@@ -329,7 +329,7 @@ TEST(Cogging, HoldsAnAxisWithoutPowerAgainstLessThanItsTorque) {
   AxisUnderTest axis(configuration);
   axis.write("test_load_torque", 150);
   axis.step(5'000);
-  // The half of 0.3 N.m: sin(30°), a twelfth of a turn.
+  // Half of 0.3 N.m: sin(30°), a twelfth of a turn.
   EXPECT_NEAR(axis.actual(), 4'096.0 / 12.0, 2.0);
   axis.write("test_load_torque", 400);
   axis.step(5'000);
@@ -340,7 +340,7 @@ TEST(TorqueRipple, IsAPartOfTheTorqueOfTheMotor) {
   AxisConfiguration configuration = smooth_axis();
   configuration.model.torque_ripple = 50.0;
   configuration.model.torque_ripple_periods = 1.0;
-  // Against a load of 0.9 N.m, a quarter of a turn on each side of 0: -0.9 = T (1 ± 0.5).
+  // Against a load of 0.9 N.m, a quarter of a turn to each side of 0: -0.9 = T (1 ± 0.5).
   for (const int side : {1, -1}) {
     AxisUnderTest axis(configuration);
     ASSERT_NO_FATAL_FAILURE(stand_at(axis, side * 1'024));
@@ -352,7 +352,7 @@ TEST(TorqueRipple, IsAPartOfTheTorqueOfTheMotor) {
 
 // ---- encoder noise -----------------------------------------------------------------------------
 
-/// Friction holds these axes, which have no power.
+/// These axes have no power; friction holds them.
 std::vector<AxisConfiguration> noisy_axes(std::size_t count, double seed) {
   std::vector<AxisConfiguration> axes(count);
   for (std::size_t i = 0; i < count; ++i) {
@@ -385,8 +385,8 @@ TEST(EncoderNoise, HasItsRootMeanSquareAndNoMean) {
     squares += reading * reading;
     ASSERT_EQ(axis.actual(), 0) << "encoder 2 has none";
   }
-  // Of 20,000 readings the mean is within 6 deviations of 20/√20000 = 0.14, the root mean square
-  // within 6 of 20/√40000 = 0.1.
+  // For 20,000 readings the mean is within 6 standard deviations of 20/√20000 = 0.14, the root mean
+  // square within 6 of 20/√40000 = 0.1.
   EXPECT_NEAR(sum / kTicks, 0.0, 0.85);
   EXPECT_NEAR(std::sqrt(squares / kTicks), 20.0, 0.6);
 }
@@ -402,7 +402,7 @@ TEST(EncoderNoise, IsThatOfTheMotorWhereThereIsOneEncoder) {
     axis.step();
     ASSERT_EQ(axis.actual(), axis.status().motor_position_actual_value);
     ASSERT_EQ(axis.velocity(), axis.status().motor_velocity_actual_value);
-    // Four evenly spread parts: at most √12 = 3.5 times the root mean square.
+    // The sum of four uniform parts: at most √12 = 3.5 times the root mean square.
     ASSERT_LE(std::abs(axis.actual()), 70) << "the noise of encoder 2 does not count";
     noisy += axis.actual() != 0 ? 1 : 0;
   }
@@ -421,12 +421,13 @@ TEST(EncoderNoise, IsTheSameForTheSameSeedAndAnotherForAnotherSeedAndAxis) {
     as_other_axis += reading == bank.status(2).motor_position_actual_value ? 1 : 0;
     as_other_encoder += reading == bank.status(0).load_position_actual_value ? 1 : 0;
   }
-  // Of whole numbers with a deviation of 20 one pair in 70 is equal.
+  // For whole numbers with a deviation of 20, one pair in 70 is equal.
   EXPECT_LT(as_other_axis, 10);
   EXPECT_LT(as_other_encoder, 10);
 }
 
-// The numbers are drawn for a whole block; the segments of a move cut the tick of the block.
+// The numbers are drawn for the entire block, although the segments of a move divide the block's
+// tick.
 TEST(EncoderNoise, OfAnAxisIsTheSameWhateverItsNeighboursDo) {
   std::vector<AxisConfiguration> axes = noisy_axes(1, 1.0);
   axes.front().model.encoder_noise = 0.05;
@@ -502,7 +503,7 @@ TEST(EndStop, CatchesTheLoadWithoutARebound) {
   EXPECT_EQ(axis.velocity(), 0);
 }
 
-// The motor swings on its shaft, and may pull the load back from the stop for a while.
+// The motor swings on its shaft and may pull the load back from the stop for a while.
 TEST(EndStop, IsNeverPassedByTheLoadOfAnElasticAxis) {
   AxisUnderTest axis(stopped_axis(Coupling::two_inertia));
   axis.write("test_load_torque", 300);
@@ -587,7 +588,7 @@ TEST(EndStop, MayBeOneOfTheTwo) {
 
 // ---- heat of the motor -------------------------------------------------------------------------
 
-/// A blocked axis whose motor makes `torque` [‰ of rated] from the first ticks on.
+/// A blocked axis whose motor produces `torque` [‰ of rated] from the first ticks on.
 class HeatedAxis {
  public:
   HeatedAxis(double time_constant, std::int64_t torque) : axis(configuration(time_constant)) {
@@ -611,8 +612,8 @@ class HeatedAxis {
   AxisUnderTest axis;
 };
 
-// With the current i over the rated one the heat is i² (1 - exp(-t/τ)): it is 1 after
-// τ ln(i²/(i² - 1)) and 1.1 after τ ln(i²/(i² - 1.1)).
+// With the current i in units of the rated current, the heat is i² (1 - exp(-t/τ)): it is 1 after τ
+// ln(i²/(i² - 1)) and 1.1 after τ ln(i²/(i² - 1.1)).
 TEST(MotorHeat, WarnsAndTripsAfterTheTimesOfTheFormula) {
   struct Row {
     std::int64_t torque;  // [‰]
@@ -629,7 +630,7 @@ TEST(MotorHeat, WarnsAndTripsAfterTheTimesOfTheFormula) {
           return heated.warns();
         },
         2'000);
-    // The current comes within the first tick, which `command` has run.
+    // The current rises within the first tick, which `command` has run.
     EXPECT_NEAR(static_cast<double>(ticks_to_warning + 1U), row.warning * 1.0e3, 3.0);
     EXPECT_EQ(heated.axis.state(), PowerState::operation_enabled) << "a warning changes no state";
     const auto ticks_to_fault = heated.axis.step_until(
@@ -654,7 +655,7 @@ TEST(MotorHeat, RefusesTheFaultResetUntilTheMotorHasCooledToItsRatedHeat) {
   axis.command(0x0080);
   EXPECT_EQ(axis.state(), PowerState::fault);
   axis.command(0x0000);
-  // From 1.1 down to 1: τ ln(1.1) = 95.3 ms; the fault reaction heats for some ticks more.
+  // From 1.1 down to 1: τ ln(1.1) = 95.3 ms; the fault reaction keeps heating for a few ticks.
   axis.step(80);
   EXPECT_TRUE(heated.warns());
   axis.command(0x0080);
@@ -672,8 +673,8 @@ TEST(MotorHeat, TripsAnAxisThatStandsOnItsTarget) {
   axis.enable();
   axis.step(500);
   axis.write("test_load_torque", 4'200);  // 1.4 times the rated torque and current
-  // τ ln(1.96/0.96) = 1.4275 s and τ ln(1.96/0.86) = 1.6475 s; until the integrator has the load
-  // the torque swings.
+  // τ ln(1.96/0.96) = 1.4275 s and τ ln(1.96/0.86) = 1.6475 s; the torque swings until the
+  // integrator carries the load.
   const auto warning = axis.step_until_status(Statusword::kWarning, Statusword::kWarning, 3'000);
   EXPECT_NEAR(static_cast<double>(warning), 1'427.5, 50.0);
   EXPECT_TRUE(axis.reached());
@@ -716,7 +717,7 @@ TEST(MotorHeat, OutlastsAPowerCycle) {
 
 TEST(MotorHeat, FollowsTheRatedCurrentOf6075h) {
   HeatedAxis heated(1.0, 1'000);
-  heated.axis.write("motor_rated_current", 2'500);  // the 5 A of 3 N.m are twice that
+  heated.axis.write("motor_rated_current", 2'500);  // the 5 A for 3 N.m are twice that
   const auto ticks = heated.axis.step_until(
       [&] {
         return heated.warns();
@@ -734,7 +735,7 @@ TEST(MotorHeat, IsNoneWithoutATimeConstant) {
 
 // ---- side by side ------------------------------------------------------------------------------
 
-/// All effects at once.
+/// All effects at the same time.
 void add_all_effects(AxisModel& model) {
   model.gravity_torque = -0.2;
   model.brake_torque = 1.0;
@@ -749,7 +750,7 @@ void add_all_effects(AxisModel& model) {
   model.motor_thermal_time_constant = 2.0;
 }
 
-/// Every second axis has effects; both couplings.
+/// Every second axis has effects; both couplings occur.
 std::vector<AxisConfiguration> half_with_effects(std::size_t count) {
   std::vector<AxisConfiguration> axes(count);
   for (std::size_t i = 0; i < count; ++i) {
@@ -763,14 +764,14 @@ std::vector<AxisConfiguration> half_with_effects(std::size_t count) {
   return axes;
 }
 
-/// A write of the script of a run, which repeats itself every 900 ticks.
+/// A write in the script of a run, which repeats every 900 ticks.
 struct ScriptRow {
   int phase;
   std::uint16_t index;
   std::int64_t value;
 };
 
-/// Reset, enabled, moved, blocked, without power; each axis a bit later than the one before.
+/// Reset, enable, move, block, remove the power; each axis a little later than the one before.
 void write_script(AxisBank& bank, int tick) {
   const std::int64_t target = (tick % 7 - 3) * 40'000;
   for (const ScriptRow& row :
@@ -794,7 +795,7 @@ void run_script(AxisBank& bank, int first, int last) {
 TEST(PlantEffects, OfOneAxisChangeNoBitOfAnother) {
   std::vector<AxisConfiguration> axes = half_with_effects(17);
   AxisBank beside(axes, microseconds{1000});
-  for (AxisConfiguration& axis : axes) {  // the same axes, those with effects without them
+  for (AxisConfiguration& axis : axes) {  // the same axes, but those with effects lose them
     if (has_effects(axis.model)) axis.model = AxisModel{.coupling = axis.model.coupling};
   }
   AxisBank plain(axes, microseconds{1000});
@@ -844,10 +845,10 @@ TEST(PlantEffects, ContinueFromASnapshotAndItsBytes) {
 }
 
 TEST(PlantEffects, LetABrakedAxisSettle) {
-  // A settled axis leaves its block out of the tick until something is written to it.
+  // A settled axis takes its block out of the tick until something is written to it.
   AxisBank bank(std::vector<AxisConfiguration>(8, braked_axis(2.0)), microseconds{1000});
   for (int tick = 0; tick < 2'000; ++tick) bank.step();
-  bank.write(3, {0x5E00, 0}, 5'000);  // 5 N.m against brake and weight of 2.6 N.m
+  bank.write(3, {0x5E00, 0}, 5'000);  // 5 N.m against the 2.6 N.m of brake and weight
   for (int tick = 0; tick < 100; ++tick) bank.step();
   EXPECT_GT(bank.status(3).load_position_actual_value, 100);
   EXPECT_EQ(bank.status(4).load_position_actual_value, 0);

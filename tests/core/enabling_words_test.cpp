@@ -10,7 +10,7 @@
 namespace vdrive {
 namespace {
 
-/// Writes words one after the other, as a client does.
+/// Writes controlwords one after the other, as a client does.
 class WrittenWords {
  public:
   explicit WrittenWords(std::int8_t quick_stop_option) {

@@ -40,7 +40,7 @@ TEST(EventKinds, OfALaterVersionAreUnknownAndNoAlarm) {
   }
 }
 
-// The axis of a lost master stops, as that of a fault does; a refusal stops nothing.
+// An axis that loses its master stops, and so does an axis with a fault; a refusal stops nothing.
 TEST(EventKinds, AreErrorsWhereAxesStop) {
   EXPECT_EQ(severity_of(EventKind::fault), EventSeverity::error);
   EXPECT_EQ(severity_of(EventKind::master_lost), EventSeverity::error);

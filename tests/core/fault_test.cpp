@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Faults: cause, reaction, 603Fh, 1001h, 1003h, statusword, reset. Limit switches, which are not
-// faults.
+// Faults: cause, reaction, 603Fh, 1001h, 1003h, statusword, reset. Also limit switches, which are
+// not faults.
 #include "core/support/axis_under_test.hpp"
 
 #include <gtest/gtest.h>
@@ -19,7 +19,7 @@ struct Cause {
   const char* name;
   const char* object;
   std::uint16_t code;
-  std::uint16_t register_bit;  // of 1001h, beside the generic bit 0
+  std::uint16_t register_bit;  // of 1001h, in addition to the generic bit 0
 };
 
 std::string name_of_cause(const testing::TestParamInfo<Cause>& info) {
@@ -329,7 +329,7 @@ TEST(FollowingError, ABlockedLoadCausesAFollowingErrorFault) {
     axis.step();
     const bool outside = std::abs(axis.read("load_position_error_value")) > 20'480;  // 6065h
     if (outside && outside_since < 0) outside_since = tick;
-    // "Lasts longer than 6066h": 20 ms are not enough, 21 are.
+    // "Lasts longer than 6066h": after 20 ms not yet, after 21 ms.
     const bool expected = outside_since >= 0 && tick - outside_since > 20;
     ASSERT_EQ((axis.statusword() & Statusword::kFollowingError) != 0, expected) << "tick " << tick;
   }
@@ -355,7 +355,7 @@ TEST(FollowingError, TheTimerIsClearedInsideTheWindow) {
   axis.command(0x003F);
   for (int i = 0; i < 10; ++i) {
     axis.write("test_blocked_load", 1);
-    axis.step(60);  // about 35 ms outside
+    axis.step(60);  // about 35 ms of them outside
     axis.write("test_blocked_load", 0);
     ASSERT_NE(axis.step_until(
                   [&axis] {
@@ -496,7 +496,7 @@ TEST_P(LimitSwitch, PreventsMotionTowardsIt) {
 }
 
 TEST_P(LimitSwitch, ASetPointTowardsItIsStillAcknowledgedWhileBit4IsHeld) {
-  // Bit 12 follows bit 4 (sheet 2.2 and 8.5): a master waits for it before it drops bit 4.
+  // Bit 12 follows bit 4 (sheet 2.2 and 8.5): a master waits for bit 12 before it clears bit 4.
   axis.enable();
   axis.write(input(), 1);
   axis.step();

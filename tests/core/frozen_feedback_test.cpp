@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// 5E0Ch: the feedback that is shown stays as it is, while the axis goes on with the true one.
+// 5E0Ch: the shown feedback stays as it is, while the axis goes on with the true feedback.
 #include "core/support/axis_under_test.hpp"
 #include "vdrive/axis_bank.hpp"
 
@@ -23,13 +23,13 @@ using enum PowerState;
 
 constexpr ObjectAddress kFrozenFeedback{0x5E0C, 0};
 
-/// Members that show feedback, or a difference to it.
+/// Members that show feedback, or a difference from it.
 constexpr std::array<std::string_view, 8> kFeedback{
     "load_position_actual_value",  "load_position_error_value",  "motor_position_actual_value",
     "motor_position_error_value",  "load_velocity_actual_value", "load_velocity_error_value",
     "motor_velocity_actual_value", "motor_velocity_error_value"};
 
-/// On a long way at 10000 UU/s, with a following error window of 2000 UU.
+/// On a long move at 10000 UU/s, with a following error window of 2000 UU.
 void run_in_window(AxisUnderTest& axis) {
   axis.write("following_error_window", 2'000);
   axis.write("following_error_time_out", 0);
@@ -66,7 +66,7 @@ TEST(FrozenFeedback, ShowsTheDifferencesToWhatIsShown) {
   run_in_window(axis);
   axis.write("test_frozen_feedback", 1);
   axis.step(1'000);
-  // 10000 UU/s for 1 s, and the following error at the time of the freeze, which is below 100 UU.
+  // 10000 UU/s for 1 s, plus the following error at the time of the freeze, which is below 100 UU.
   EXPECT_NEAR(axis.demand() - axis.actual(), 10'000, 100);
   EXPECT_EQ(axis.read("load_position_error_value"), axis.demand() - axis.actual());
   EXPECT_EQ(axis.read("motor_position_error_value"),
@@ -75,7 +75,7 @@ TEST(FrozenFeedback, ShowsTheDifferencesToWhatIsShown) {
   EXPECT_EQ(axis.read("motor_velocity_error_value"), 10'000);
 }
 
-// The error that is shown is five times 6065h: what watches it has the true feedback.
+// The shown error is five times 6065h; the monitoring uses the true feedback.
 TEST(FrozenFeedback, IsNoFollowingErrorAndShowsTheTruthAfterwards) {
   AxisUnderTest axis;
   run_in_window(axis);
@@ -103,7 +103,7 @@ class Twins {
 
   void freeze_second(bool frozen) { bank_.write(1, kFrozenFeedback, frozen ? 1 : 0); }
 
-  /// Compares what is no feedback, or all of it, after each tick.
+  /// After each tick compares everything, or while `frozen` everything except the feedback.
   void step(int ticks, bool frozen) {
     for (int tick = 0; tick < ticks; ++tick) {
       bank_.step();
@@ -145,8 +145,8 @@ TEST(FrozenFeedback, ChangesNothingButWhatIsShown) {
   ASSERT_NO_FATAL_FAILURE(run_program(twins, false));
 }
 
-// From 4000 on a range from 0 to 4095 the demand passes its end; the way to 4000 is then the short
-// one backward.
+// In a range from 0 to 4095 the demand passes the end of the range on its way from 4000; then the
+// short way to 4000 is the one backwards.
 TEST(FrozenFeedback, ShowsTheErrorOfAModuloAxisByTheShorterWay) {
   AxisConfiguration table;
   table.initial_position = 4'000;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Habits of other drives, 5E20h: each against the same drive without it. Where they were seen is in
-// docs/guides/be-another-drive.md.
+// Habits of other drives, 5E20h: each against the same drive without it.
+// docs/guides/be-another-drive.md lists where they were seen.
 #include "core/support/axis_under_test.hpp"
 #include "vdrive/axis_bank.hpp"
 #include "vdrive/cia402/power_state_machine.hpp"
@@ -36,7 +36,7 @@ bool shows_bit(const AxisUnderTest& axis, unsigned bit) {
   return (axis.statusword() >> bit & 1U) != 0;
 }
 
-/// At 10000 UU/s on a long way, controlword 001Fh, without a following error.
+/// At 10000 UU/s on a long move, controlword 001Fh, with following error monitoring off.
 void run_far(AxisUnderTest& axis) {
   axis.write("following_error_window", 0xFFFFFFFF);
   axis.write("profile_velocity", 10'000);
@@ -48,13 +48,13 @@ void run_far(AxisUnderTest& axis) {
   ASSERT_EQ(axis.demand_velocity(), 10'000);
 }
 
-/// Cyclic position in Operation enabled.
+/// Cyclic position, Operation enabled.
 void enable_stream(AxisUnderTest& axis) {
   axis.write("op_mode_cmd", 8);
   axis.command(0x000F);
 }
 
-/// In Fault, by an over-current that lasts.
+/// In Fault, from an over-current that persists.
 void fail(AxisUnderTest& axis) {
   axis.write("test_over_current", 1);
   axis.step(100);
@@ -236,7 +236,7 @@ TEST(HabitStreamReleaseBits, HoldTheAxisUntilAllThreeAreSet) {
   EXPECT_FALSE(shows_bit(axis, 12));
 }
 
-// 60C2h = 10 ms: 10 UU a tick, once the stream is released.
+// 60C2h = 10 ms: 10 UU per tick once the stream is released.
 TEST(HabitStreamReleaseBits, TheWayBeginsWithTheRelease) {
   AxisUnderTest axis;
   axis.write("habit_stream_release_bits", 1);
@@ -264,7 +264,7 @@ TEST(HabitShortQuickStop, EndsWithTheNextTickWhateverStillMoves) {
   EXPECT_EQ(axis.status().motor_op_status, 0);
   EXPECT_GT(axis.velocity(), 5'000) << "it coasts";
 
-  // By the standard 10000 UU/s take 5 ms with 6085h = 2048000 UU/s².
+  // By the standard, 10000 UU/s take 5 ms with 6085h = 2048000 UU/s².
   AxisUnderTest usual;
   run_far(usual);
   usual.command(0x0002);
@@ -288,7 +288,7 @@ TEST(HabitShortQuickStop, LeavesTheStateWhere605AhKeepsIt) {
 struct Transition16Case {
   std::int64_t habit;
   std::int64_t option;  // 605Ah
-  PowerState state;     // behind 000Fh in Quick stop active
+  PowerState state;     // after 000Fh in Quick stop active
 };
 
 TEST(HabitTransition16, DecidesWhetherEnableOperationLeavesQuickStopActive) {
@@ -413,7 +413,7 @@ TEST(HabitControlwordLoop, TakesAnEdgeThatLastsALoop) {
   axis.controlword(0x003F);
   axis.step(4);
   EXPECT_TRUE(axis.acknowledged());
-  // Down and up again between two looks is no second edge.
+  // Clearing and setting bit 4 again between two looks is not a second edge.
   axis.write("position_user_target_value", 5'000);
   axis.command(0x000F);
   axis.command(0x003F);
@@ -762,7 +762,7 @@ TEST(HabitModeBeforeEnabling, LeavesAnEnabledAxisEnabled) {
   EXPECT_EQ(axis.state(), operation_enabled);
 }
 
-// 605Ah = 6: the axis has a mode to lose since transition 4, and keeps its power.
+// 605Ah = 6: the axis has had a mode since transition 4, and keeps its power.
 TEST(HabitModeBeforeEnabling, LeavesTransition16AsItIs) {
   AxisUnderTest axis;
   axis.write("habit_mode_before_enabling", 1);
@@ -776,7 +776,7 @@ TEST(HabitModeBeforeEnabling, LeavesTransition16AsItIs) {
   EXPECT_EQ(axis.state(), operation_enabled);
 }
 
-// With habit g the drive decides when it enables: a mode that was taken back by then is none.
+// With habit g the drive decides when it enables; a mode that was withdrawn by then does not count.
 TEST(HabitModeBeforeEnabling, HoldsAtTheEndOfTheTimeToPowerOn) {
   for (const std::int64_t mode : {0, 3}) {
     SCOPED_TRACE(mode);
@@ -810,7 +810,7 @@ TEST(HabitClearTargetVelocity, BeginsAtStandstill) {
   }
 }
 
-// The inverter whose manual says so is commanded by 6042h.
+// The inverter whose manual describes this is commanded through 6042h.
 TEST(HabitClearTargetVelocity, ClearsThatOfTheVelocityModeToo) {
   for (const std::int64_t habit : {0, 1}) {
     SCOPED_TRACE(habit);

@@ -32,7 +32,7 @@ class HomingEndStop : public testing::TestWithParam<EndStopRow> {
     return configuration;
   }
 
-  /// A run to its end. @return the place at which it found home, in the frame of before.
+  /// Runs homing to its end. @return the place at which it found home, in the frame before the run.
   static double home(AxisUnderTest& axis) {
     axis.write("op_mode_cmd", 6);
     axis.write("homing_method", GetParam().method);
@@ -48,7 +48,7 @@ class HomingEndStop : public testing::TestWithParam<EndStopRow> {
         },
         20'000);
     EXPECT_NE(ticks, 0U) << "status " << std::hex << axis.statusword();
-    // In the tick of the jump 6064h shows the way of this tick from home on.
+    // In the tick of the jump, 6064h shows the distance moved in this tick from home.
     const double found = before - (axis.actual() - axis.velocity() * axis.seconds_per_tick());
     EXPECT_NE(axis.step_until_status(0x3400, 0x1400, 20'000), 0U);
     axis.step(500);
@@ -56,8 +56,8 @@ class HomingEndStop : public testing::TestWithParam<EndStopRow> {
   }
 };
 
-// The load stays in the stop, which does not give way: 6064h is the load's, and home is where the
-// stop is. The index pulse is behind it and exact.
+// The load stays at the stop, which does not give way: 6064h is the position of the load, and home
+// is at the stop. The index pulse that follows is exact.
 TEST_P(HomingEndStop, IsFoundWhereItStands) {
   AxisUnderTest axis(machine());
   const double found = home(axis);
@@ -78,8 +78,8 @@ TEST_P(HomingEndStop, IsFoundAtTheSamePlaceAgain) {
   EXPECT_NEAR(home(axis), 0.0, 3.0);
 }
 
-// Noise of 0.05 UU makes √2 · 0.05 UU / 1 ms = 71 UU/s of 606Ch, and 606Fh is 10 UU/s: the axis
-// stands by its place, which changes by less than 606Fh · 5E18h:02 = 1 UU.
+// Noise of 0.05 UU makes √2 · 0.05 UU / 1 ms = 71 UU/s in 606Ch, and 606Fh is 10 UU/s: standstill
+// is judged from the position, which changes by less than 606Fh · 5E18h:02 = 1 UU.
 INSTANTIATE_TEST_SUITE_P(
     Homing, HomingEndStop,
     testing::Values(EndStopRow{-1, Coupling::rigid}, EndStopRow{-2, Coupling::rigid},

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The ways of the homing methods 1 to 34 against the drawings of CiA 402-2, homing mode, and those
+// The paths of the homing methods 1 to 34 against the drawings of CiA 402-2, homing mode, and those
 // of the methods -1 to -4: speeds and edges in their order, from every start.
 #include "core/support/axis_under_test.hpp"
 
@@ -20,7 +20,7 @@ using test::AxisUnderTest;
 constexpr double kEndless = 1.0e12;
 constexpr std::int32_t kFast = 34'133;   // 6099h:01, default [UU/s]
 constexpr std::int32_t kCreep = 3'413;   // 6099h:02, default [UU/s]
-constexpr double kPositiveEnd = 30'000;  // places of the limit switches
+constexpr double kPositiveEnd = 30'000;  // positions of the limit switches
 constexpr double kNegativeEnd = -30'000;
 
 /// Where the home switch is active [UU].
@@ -29,22 +29,22 @@ struct Cam {
   double last = kEndless;
 };
 
-constexpr double kStop = 20'000;  // end stops stand at -kStop and kStop, before the limit switches
+constexpr double kStop = 20'000;  // end stops at -kStop and kStop, before the limit switches
 
 constexpr Cam kNoCam{};
 constexpr Cam kMiddle{9'000, 15'000};            // methods 7 to 14
 constexpr Cam kPositiveSide{9'000, kEndless};    // 3 and 4
 constexpr Cam kNegativeSide{-kEndless, -9'000};  // 5 and 6
 
-/// An axis between its switches, and what a person beside it writes down of a run:
+/// An axis between its switches, and a record of a run as an observer would note it:
 ///   > >> < <<  the demand keeps creep or search speed, positive or negative
 ///   H h        the home switch becomes active, inactive
 ///   P N        the positive or negative limit switch becomes active
-///   S          the load comes to an end stop
+///   S          the load reaches an end stop
 ///   .          homing attained
 class HomingCourse {
  public:
-  /// @param stop end stops stand at -stop and stop [UU]
+  /// @param stop end stops are at -stop and stop [UU]
   explicit HomingCourse(double from, Cam cam = kNoCam, double stop = kEndless)
       : axis(at(from, stop)), place(from), cam_(cam), stop_(stop) {
     set_switches();
@@ -62,14 +62,14 @@ class HomingCourse {
     tick();
   }
 
-  /// Starts, and goes on until the run has come this way.
+  /// Starts, and steps until the record of the run is `stage`.
   void start_until(int method, const std::string& stage) {
     start(method);
     for (int i = 0; i < 20'000 && way != stage; ++i) tick();
     ASSERT_EQ(way, stage);
   }
 
-  /// One tick; then the switches are set from the place of the axis.
+  /// One tick; then the switches are set according to the position of the axis.
   void tick() {
     const bool was_attained = attained();
     const std::int32_t before = axis.actual();
@@ -99,7 +99,7 @@ class HomingCourse {
     return false;
   }
 
-  /// A whole run, and the time to settle.
+  /// A complete run, and the time to settle.
   void home(int method) {
     start(method);
     ASSERT_TRUE(tick_until_phase(kDone)) << "way " << way << ", status " << std::hex << phase();
@@ -114,7 +114,7 @@ class HomingCourse {
 
   AxisUnderTest axis;
   double place;     ///< of the load in the frame of power-up [UU]
-  std::string way;  ///< of the present run
+  std::string way;  ///< of the current run
 
  private:
   static AxisConfiguration at(double position, double stop) {
@@ -131,9 +131,9 @@ class HomingCourse {
 
   void note(const std::string& word) { way += way.empty() ? word : " " + word; }
 
-  /// A speed that the demand has for two ticks is one at which it travels. From search speed down
-  /// to creep speed lie 75 ticks of 609Ah, without a remainder ((34133 - 3413) / 409.6), so each
-  /// ramp that brakes or turns round has the creep speed for one tick, and leaves it.
+  /// A speed that the demand keeps for two ticks is one at which the axis travels. From search
+  /// speed down to creep speed 609Ah takes exactly 75 ticks ((34133 - 3413) / 409.6), so each ramp
+  /// that brakes or turns round has the creep speed for only one tick.
   void note_speed() {
     const std::int32_t speed = axis.demand_velocity();
     const bool keeps = speed == demand_;
@@ -166,8 +166,8 @@ class HomingCourse {
   Cam cam_;
   double stop_;
   bool stands_ = false;      // at an end stop
-  std::int32_t demand_ = 0;  // of the tick before [UU/s]
-  std::int32_t speed_ = 0;   // that was noted last [UU/s]
+  std::int32_t demand_ = 0;  // of the previous tick [UU/s]
+  std::int32_t speed_ = 0;   // the last one that was noted [UU/s]
   bool home_ = false;
   bool positive_ = false;
   bool negative_ = false;
@@ -179,8 +179,8 @@ struct PathRow {
   double start;
   const char* way;
   double home;
-  double error;            ///< that one tick of the speed makes at which home is passed [UU]
-  double stop = kEndless;  ///< end stops stand at -stop and stop [UU]
+  double error;            ///< from one tick at the speed at which home is passed [UU]
+  double stop = kEndless;  ///< end stops at -stop and stop [UU]
 };
 
 std::ostream& operator<<(std::ostream& out, const PathRow& row) {
@@ -199,12 +199,12 @@ TEST_P(HomingPath, IsThatOfTheDrawing) {
   EXPECT_EQ(course.axis.state(), PowerState::operation_enabled);
 }
 
-// A tick of 1 ms is 3.4 UU at creep speed and 34.1 UU at search speed; a reading and the whole
-// numbers of this test add 2. An index pulse is located by the encoder.
+// A tick of 1 ms is 3.4 UU at creep speed and 34.1 UU at search speed; a reading and the rounding
+// to whole numbers in this test add 2. An index pulse is located by the encoder.
 constexpr double kAtIndex = 1.5;
 constexpr double kAtCreep = 5.5;
 constexpr double kAtSearch = 36.5;
-constexpr double kAtStop = 1.5;  // it does not give way
+constexpr double kAtStop = 1.5;  // the stop does not give way
 
 // Index pulses lie at multiples of 4096: -12288, -8192, -4096, 4096, 8192, 12288, 16384.
 const std::vector<PathRow> kLimitPaths{
@@ -222,9 +222,9 @@ const std::vector<PathRow> kLimitPaths{
     {18, kNoCam, -31'000, ">> P < .", 30'000, kAtCreep},
 };
 
-// The mark on which the axis stands does not count, nor the one just behind it: a revolution lies
-// before the next. Up to creep speed the axis travels 3413² / (2 x 409600) = 14 UU, so the mark
-// just ahead is passed before.
+// The mark at which the axis starts does not count, nor the one just behind it: the next is a
+// revolution away. While accelerating to creep speed the axis travels 3413² / (2 x 409600) = 14 UU,
+// so it passes the mark just ahead before that.
 const std::vector<PathRow> kIndexPaths{
     {33, kNoCam, 100, "< .", 0, kAtIndex},     {33, kNoCam, 1, ".", 0, kAtIndex},
     {33, kNoCam, 0, "< .", -4'096, kAtIndex},  {33, kNoCam, -1, "< .", -4'096, kAtIndex},
@@ -232,10 +232,11 @@ const std::vector<PathRow> kIndexPaths{
     {34, kNoCam, 0, "> .", 4'096, kAtIndex},   {34, kNoCam, 1, "> .", 4'096, kAtIndex},
 };
 
-// Methods of the maker, as docs/explanation/decisions.md has them: to the end stop at search speed,
-// then -1 and -2 leave it at creep speed for the index pulse, and -3 and -4 have home at it. An
-// axis that stands at the stop is there before it has search speed: 64 UU of lag take 18 ticks, in
-// which 609Ah comes to 7241 UU/s. An axis at the other stop has the same way as one between both.
+// Manufacturer-specific methods, see docs/explanation/decisions.md: to the end stop at search
+// speed; then -1 and -2 leave it at creep speed for the index pulse, while -3 and -4 have home at
+// the stop. An axis that starts at the stop reaches the torque before it has search speed: 64 UU of
+// lag take 18 ticks, in which 609Ah reaches 7241 UU/s. An axis at the other stop takes the same
+// path as one between both.
 const std::vector<PathRow> kStopPaths{
     {-1, kNoCam, 0, "<< S > .", -16'384, kAtIndex, kStop},
     {-1, kNoCam, -kStop, "> .", -16'384, kAtIndex, kStop},
@@ -251,8 +252,8 @@ const std::vector<PathRow> kStopPaths{
     {-4, kNoCam, -kStop, ">> S .", kStop, kAtStop, kStop},
 };
 
-// The home switch reaches to the end of the travel, so no limit switch is met. Home is left of the
-// edge (3), right of it (4), and mirrored (5, 6).
+// The home switch extends to the end of the travel, so no limit switch is reached. Home is left of
+// the edge (3), right of it (4), and mirrored (5, 6).
 const std::vector<PathRow> kStepPaths{
     {3, kPositiveSide, 0, ">> H < h .", 8'192, kAtIndex},
     {3, kPositiveSide, 12'000, "< h .", 8'192, kAtIndex},
@@ -282,7 +283,7 @@ const std::vector<PathRow> kStepPaths{
 
 // First in positive direction. 7: left of the left edge, from the right. 8: right of the left edge,
 // from the left. 9: left of the right edge, from the right. 10: right of the right edge, from the
-// left. A start at the right meets the positive limit switch and turns.
+// left. A start at the right reaches the positive limit switch and turns round.
 const std::vector<PathRow> kPositivePaths{
     {7, kMiddle, 0, ">> H < h .", 8'192, kAtIndex},
     {7, kMiddle, -31'000, ">> H < h .", 8'192, kAtIndex},
@@ -326,8 +327,8 @@ const std::vector<PathRow> kPositivePaths{
     {26, kMiddle, 31'000, "<< H > h .", 15'000, kAtCreep},
 };
 
-// The same, mirrored: first in negative direction, and a start at the left meets the negative limit
-// switch.
+// The same, mirrored: first in negative direction, and a start at the left reaches the negative
+// limit switch.
 const std::vector<PathRow> kNegativePaths{
     {11, kMiddle, 20'000, "<< H > h .", 16'384, kAtIndex},
     {11, kMiddle, 31'000, "<< H > h .", 16'384, kAtIndex},
@@ -385,8 +386,8 @@ INSTANTIATE_TEST_SUITE_P(HomeSwitchAtTheEnd, HomingPath, testing::ValuesIn(kStep
 INSTANTIATE_TEST_SUITE_P(FirstPositive, HomingPath, testing::ValuesIn(kPositivePaths), path_name);
 INSTANTIATE_TEST_SUITE_P(FirstNegative, HomingPath, testing::ValuesIn(kNegativePaths), path_name);
 
-// From 34133 UU/s 609Ah = 409600 UU/s2 needs 1422 UU: the axis passes a switch of 500 UU, comes
-// back over its right edge, and home is the left one as in the drawing.
+// From 34133 UU/s 609Ah = 409600 UU/s2 needs 1422 UU: the axis overruns a switch of 500 UU and
+// comes back over its right edge; home is the left edge, as in the drawing.
 TEST(HomingHomeSwitch, ThatIsNarrowerThanTheBrakingDistanceIsApproachedFromTheRightSide) {
   for (const int method : {7, 23}) {
     HomingCourse course(0, {.first = 9'000, .last = 9'500});
@@ -410,7 +411,8 @@ TEST(HomingHomeSwitch, ThatIsMissedTwiceIsAnError) {
   }
 }
 
-// These drawings have a switch up to the end: behind a limit switch there is none.
+// In these drawings the switch extends to the end of the travel: beyond a limit switch there is
+// none.
 TEST(HomingHomeSwitch, ThatIsMissedBeforeALimitSwitchIsAnErrorOfMethods3To6) {
   for (int method = 3; method <= 6; ++method) {
     for (const int number : {method, method + 16}) {
@@ -424,7 +426,8 @@ TEST(HomingHomeSwitch, ThatIsMissedBeforeALimitSwitchIsAnErrorOfMethods3To6) {
 }
 
 TEST(HomingHomeSwitch, WithALimitSwitchBeforeItsEdgeIsAnError) {
-  // The switch is active beyond the negative limit switch: 7 never leaves it in that direction.
+  // The switch stays active beyond the negative limit switch: method 7 never leaves it in that
+  // direction.
   for (const int method : {7, 8, 13, 14}) {
     SCOPED_TRACE(method);
     HomingCourse course(-20'000, {.first = -kEndless, .last = -10'000});
@@ -436,7 +439,7 @@ TEST(HomingHomeSwitch, WithALimitSwitchBeforeItsEdgeIsAnError) {
 
 TEST(HomingHomeSwitch, IsNotSeenAgainByARunThatHasPassedItsEdge) {
   HomingCourse course(0, kMiddle);
-  // On its way to the index pulse at 16384.
+  // On the way to the index pulse at 16384.
   ASSERT_NO_FATAL_FAILURE(course.start_until(10, ">> H > h"));
   course.axis.write("test_home_input", 1);
   course.tick();

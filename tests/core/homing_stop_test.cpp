@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Homing on a mechanical stop, methods -1 to -4, with the blocked load of the test bench as the
-// stop. tests/core/homing_end_stop_test.cpp has the same with end stops of the model.
+// stop. tests/core/homing_end_stop_test.cpp does the same with end stops of the model.
 #include "core/support/axis_under_test.hpp"
 
 #include <gtest/gtest.h>
@@ -17,7 +17,7 @@ using test::AxisUnderTest;
 
 constexpr double kFarStop = 1.0e12;
 // The bench blocks the load at the end of the tick that reaches the stop: at 34133 UU/s up to 34 UU
-// behind it. A reading and the whole numbers of this test add 2.
+// beyond it. A reading and the rounding to whole numbers in this test add 2.
 constexpr double kStopError = 36.5;
 
 /// An axis in front of a wall: 5E01h blocks its load there while its torque points to the wall.
@@ -52,7 +52,7 @@ class AxisAtWall {
     if (blocks != blocked_) axis.write("test_blocked_load", blocks ? 1 : 0);
     if (blocks && contact_at == 0) {
       contact_at = time;
-      wall = place;  // where the load really stands, so that it finds the same place again
+      wall = place;  // where the load really stops, so that it finds the same place again
     }
     blocked_ = blocks;
   }
@@ -87,7 +87,7 @@ class AxisAtWall {
 
   AxisUnderTest axis;
   int direction;
-  double wall;         ///< [UU] in the frame of power-up; from the first contact on its place
+  double wall;  ///< [UU] in the frame of power-up; after the first contact, where the load stopped
   double place = 0.0;  ///< of the load in the same frame [UU]
   int time = 0;        ///< [ticks of 1 ms]
   int contact_at = 0;  ///< 0 = not yet
@@ -108,7 +108,7 @@ struct HardStopRow {
 
 class HomingStop : public testing::TestWithParam<HardStopRow> {};
 
-// The walls stand at -5000 and 5000, the index pulses at multiples of 4096.
+// The walls are at -5000 and 5000, the index pulses at multiples of 4096.
 TEST_P(HomingStop, IsHomeOrTheIndexPulseBehindItIs) {
   const HardStopRow& row = GetParam();
   for (const std::int32_t offset : {0, 1'000, -12'345}) {
@@ -170,8 +170,8 @@ INSTANTIATE_TEST_SUITE_P(Homing, HomingStop,
                            return "Minus" + std::to_string(-row.param.method);
                          });
 
-// Blocked at 34133 UU/s the load stands in the next tick; the demand is 64 UU ahead 2 ticks later
-// and the velocity loop, 100 Hz, gives any torque within some ms.
+// A load blocked at 34133 UU/s stands still in the next tick; the demand is 64 UU ahead 2 ticks
+// later, and the velocity loop, 100 Hz, produces any torque within a few ms.
 TEST(HomingStopTime, IsThatForWhichTheAxisStands) {
   for (const int milliseconds : {0, 20, 100, 2'000}) {
     SCOPED_TRACE(milliseconds);
@@ -217,8 +217,8 @@ TEST(HomingStopTorque, AboveWhatALimitLetsThroughCountsAsThatLimit) {
   }
 }
 
-// 500 per mille of 3 N.m pull the axis from the wall: more than 5E18h:01 from the start, and all
-// the way. Only at the wall does the axis stand.
+// 500 per mille of 3 N.m pull the axis away from the wall: more than 5E18h:01 from the start and
+// all the way. Only at the wall does the axis stand still.
 TEST(HomingStopTorque, OfALoadIsNoStopWhileTheAxisMoves) {
   AxisAtWall bench(-1, -5'000.0);
   bench.axis.write("test_load_torque", 1'500);
@@ -231,7 +231,7 @@ TEST(HomingStopTorque, OfALoadIsNoStopWhileTheAxisMoves) {
   EXPECT_NEAR(bench.place, -5'000.0, kStopError);
 }
 
-// Without a wall the axis runs on: it never stands.
+// Without a wall the axis runs on and never stands still.
 TEST(HomingStopTorque, IsNotReachedByAnAxisThatAccelerates) {
   AxisAtWall bench(1, kFarStop);
   bench.axis.write("homing_acceleration", 4'000'000);  // 1227 per mille of the rated torque

@@ -35,8 +35,8 @@ std::uint64_t AllocationGuard::count() const {
 
 #if !defined(VDRIVE_SANITIZED) && defined(__GLIBC__)
 
-// glibc's own entry points, under which the replacements below reach the heap. operator new of the
-// standard library ends in malloc and is counted there.
+// glibc's own entry points; the replacements below allocate through them. operator new of the
+// standard library calls malloc and is counted there.
 extern "C" {
 
 void* __libc_malloc(std::size_t size);                           // NOLINT: glibc's name

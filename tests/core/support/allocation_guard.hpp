@@ -5,9 +5,9 @@
 
 namespace vdrive::test {
 
-/// Counts the allocations of this thread during its lifetime: operator new in every form and, where
-/// no sanitizer owns them, malloc, calloc, realloc and aligned_alloc; nothing where the sanitizer
-/// of threads owns all of them. Link allocation_guard.cpp.
+/// Counts the allocations of this thread during its lifetime: every form of operator new and, in
+/// builds without a sanitizer, malloc, calloc, realloc and aligned_alloc. Under the thread
+/// sanitizer, which owns all of them, it counts nothing. Link allocation_guard.cpp.
 class AllocationGuard {
  public:
   AllocationGuard();

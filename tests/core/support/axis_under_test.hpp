@@ -15,12 +15,11 @@
 
 namespace vdrive::test {
 
-/// Of the encoders of an axis by default.
+/// Resolution of an axis's encoders by default.
 inline constexpr double kUnitsPerRadian = 4096.0 / (2.0 * std::numbers::pi);
 
-/// One axis with access by variable_name and a drive clock: the common part of the tests of the
-/// bank's behaviour. A refused write or read is an error of the test unless the test reads the
-/// code.
+/// One axis with access by variable_name and a drive clock; shared by the tests of the bank's
+/// behaviour. A refused write or read fails the test unless the test reads the abort code.
 class AxisUnderTest {
  public:
   static constexpr std::chrono::microseconds kDefaultPeriod{1000};
@@ -60,7 +59,7 @@ class AxisUnderTest {
     return result.value;
   }
 
-  /// Writes 6040h; in force with the next step.
+  /// Writes 6040h; takes effect in the next step.
   void controlword(std::uint16_t word) { write("ds402_controlword", word); }
 
   /// Writes 6040h and runs one tick. @return the statusword after it.
@@ -83,7 +82,7 @@ class AxisUnderTest {
   }
 
   /// Steps until `done()` holds after a tick.
-  /// @return the number of ticks that it took, 0 when `deadline` ticks were not enough.
+  /// @return the number of ticks that it took; 0 if `deadline` ticks were not enough.
   template <std::predicate Predicate>
   std::uint64_t step_until(Predicate done, std::uint64_t deadline) {
     for (std::uint64_t ticks = 1; ticks <= deadline; ++ticks) {
@@ -116,7 +115,7 @@ class AxisUnderTest {
         deadline);
   }
 
-  /// Profile position mode in Operation enabled, at rest.
+  /// Profile position mode, Operation enabled, at rest.
   void enable() {
     write("op_mode_cmd", 1);
     command(0x000F);
@@ -142,12 +141,12 @@ class AxisUnderTest {
     return (statusword() & Statusword::kSetPointAcknowledge) != 0;
   }
 
-  /// In the cyclic modes.
+  /// Bit 12 in the cyclic modes.
   [[nodiscard]] bool follows_command() const {
     return (statusword() & Statusword::kFollowsCommand) != 0;
   }
 
-  /// In interpolated position.
+  /// Bit 12 in interpolated position mode.
   [[nodiscard]] bool interpolates() const {
     return (statusword() & Statusword::kInterpolationActive) != 0;
   }

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// With w = a²/2 the jerk is the slope of w over v while a > 0, and dt = dv/√(2w): a larger w
-// everywhere is a shorter time. On one side of v = 0 four lines bound it: R rises from the begin
-// with the jerk, E falls with it to what is allowed at the end, C is the cap, and F falls from the
-// begin: less than that no jerk can do. So w = max(F, min(R, E, C)).
+// With w = a²/2 the jerk is the slope of w over v while a > 0, and dt = dv/√(2w), so a larger w
+// everywhere means a shorter time. On one side of v = 0 four lines bound w: R rises from the
+// beginning with the jerk; E falls with the jerk to the value allowed at the end; C is the cap; F
+// falls from the beginning, and no jerk can bring w below it. So w = max(F, min(R, E, C)).
 #include "core/support/jerk_oracle.hpp"
 
 #include <algorithm>
@@ -31,12 +31,12 @@ Real exact(double value) {
 struct BoundedSide {
   Real begin = 0.0L;    // velocity
   Real end = 0.0L;      // velocity, >= begin
-  Real w_begin = 0.0L;  // what the motion has there
-  Real w_end = 0.0L;    // what is allowed there
+  Real w_begin = 0.0L;  // w with which the motion starts
+  Real w_end = 0.0L;    // w allowed at the end
   Real w_cap = 0.0L;
   Real jerk = 0.0L;
 
-  /// At a corner of the cap rounding of the velocity, times the jerk, must not count.
+  /// At a corner of the cap, the rounding error of the velocity times the jerk must not count.
   [[nodiscard]] Real w(Real velocity) const {
     const Real change = jerk * (velocity - begin);
     const Real most = std::min({w_begin + change, w_end + jerk * (end - velocity), w_cap});
@@ -45,7 +45,7 @@ struct BoundedSide {
     return std::abs(w - w_cap) <= rounding + 64 * kEpsilon * w_cap ? w_cap : w;
   }
 
-  /// The velocities at which two of the lines meet, in order, from begin to end.
+  /// The velocities at which two of the lines meet, in order from begin to end.
   [[nodiscard]] std::array<Real, 6> corners() const {
     const Real span = jerk * (end - begin);
     std::array<Real, 6> all{
@@ -72,7 +72,7 @@ Real follow(ExactPath& path, const BoundedSide& side, Real sign) {
     const Real next = side.w(corners[i]);
     const Real from = std::sqrt(2 * w);
     const Real to = std::sqrt(2 * next);
-    if (from + to > 0) {  // else the span is less than a digit of the velocity
+    if (from + to > 0) {  // else the span is below one digit of the velocity
       const Real time = 2 * span / (from + to);
       path.add(time, sign * (to - from) / time);
     }
@@ -82,7 +82,8 @@ Real follow(ExactPath& path, const BoundedSide& side, Real sign) {
   return w;
 }
 
-/// Takes an acceleration against the direction `sign` back to 0, by the jerk of each side of v = 0.
+/// Takes an acceleration against the direction `sign` back to 0, with the jerk of each side of v =
+/// 0.
 void settle(ExactPath& path, Real sign, const MotionJerk& jerk) {
   const ExactState& now = path.end();
   if (sign * now.acceleration >= 0) return;
@@ -169,16 +170,17 @@ ExactPath fastest_change(const ExactState& start, Real target, const MotionLimit
 
 namespace {
 
-/// A motion that leaves a phase for a stop.
+/// A motion that leaves a phase in order to stop.
 class PushAndStop {
  public:
   PushAndStop(const ExactPhase& phase, Real distance, const MotionLimits& limits,
               const MotionJerk& jerk)
       : phase_(phase), distance_(distance), limits_(limits), jerk_(jerk) {}
 
-  /// @return the shortest time from the begin of the phase over the distance; infinite without one.
+  /// @return the shortest time from the beginning of the phase over the distance; infinite if there
+  ///         is none.
   [[nodiscard]] Real shortest() const {
-    constexpr int kPoints = 8;  // so that a second root is seen as well
+    constexpr int kPoints = 8;  // enough to find a second root as well
     Real best = std::numeric_limits<Real>::infinity();
     for (int k = 0; k < kPoints; ++k) {
       const Real from = phase_.duration * k / kPoints;
@@ -196,7 +198,7 @@ class PushAndStop {
   [[nodiscard]] bool is_beyond(Real time) const { return stop(time).end().way > distance_; }
 
   [[nodiscard]] Real time_between(Real low, Real high) const {
-    constexpr int kHalvings = 64;  // each digit of a time
+    constexpr int kHalvings = 64;  // down to the last digit of a time
     const bool was_beyond = is_beyond(low);
     for (int halving = 0; halving < kHalvings; ++halving) {
       const Real middle = (low + high) / 2;

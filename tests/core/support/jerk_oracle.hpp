@@ -8,7 +8,7 @@
 
 namespace vdrive::test {
 
-/// A state in long double; the way is measured from where the motion begins [user units].
+/// A state in long double; `way` is measured from the start of the motion [user units].
 struct ExactState {
   long double way = 0.0L;
   long double velocity = 0.0L;
@@ -21,7 +21,7 @@ struct ExactPhase {
   long double duration = 0.0L;  ///< [s]
   long double jerk = 0.0L;      ///< [user units/s³]
 
-  /// @return the state `time` [s] after the begin.
+  /// @return the state `time` [s] after the beginning.
   [[nodiscard]] ExactState after(long double time) const;
 };
 
@@ -40,7 +40,7 @@ class ExactPath {
 
   [[nodiscard]] const ExactState& end() const { return end_; }
 
-  /// Replaces what rounding made of the velocity and the acceleration at the end.
+  /// Replaces the velocity and the acceleration at the end, which rounding has changed.
   void settle_at(long double velocity, long double acceleration);
 
  private:
@@ -50,16 +50,17 @@ class ExactPath {
   ExactState end_;
 };
 
-/// @return the velocity at which the acceleration is 0 if it goes there at once.
+/// @return the velocity at which the acceleration reaches 0 if it is reduced from now on.
 [[nodiscard]] long double settled_velocity(const ExactState& state, const MotionJerk& jerk);
 
 /// @return the fastest change to the velocity `target`, as the largest a²/2 over v that every bound
-///         allows: none of the planner's cases.
+///         allows; uses none of the planner's case distinctions.
 [[nodiscard]] ExactPath fastest_change(const ExactState& start, long double target,
                                        const MotionLimits& limits, const MotionJerk& jerk);
 
-/// @return the time of the fastest motion over `distance` to rest of those that go for +V or -V for
-///         any time and stop then: each direction, each of the instants at which a stop ends there.
+/// @return the time of the fastest motion over `distance` to rest, among those that head for +V or
+///         -V for some time and then stop: in each direction, for each instant at which a stop ends
+///         there.
 [[nodiscard]] long double fastest_move(const ExactState& start, long double distance,
                                        const MotionLimits& limits, const MotionJerk& jerk);
 

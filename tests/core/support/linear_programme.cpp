@@ -14,9 +14,9 @@ double product(const std::vector<double>& left, const std::vector<double>& right
   return std::inner_product(left.begin(), left.end(), right.begin(), 0.0);
 }
 
-/// As many bounds as there are variables, which hold with equality at one point, and the prices
-/// that make the objective their sum. Bound 2k is z[k] <= 1, 2k + 1 is -z[k] <= 1, then come the
-/// rows.
+/// A vertex: as many bounds as there are variables, which hold with equality at one point, and the
+/// prices that make the objective their sum. Bound 2k is z[k] <= 1, bound 2k + 1 is -z[k] <= 1; the
+/// rows follow.
 class Vertex {
  public:
   explicit Vertex(const LinearProgramme& programme)
@@ -37,7 +37,7 @@ class Vertex {
     }
   }
 
-  /// @return the bound that the point breaks most, if it breaks one.
+  /// @return the bound that the point violates most, if it violates one.
   [[nodiscard]] std::optional<std::size_t> most_broken() const {
     constexpr double kEnough = 1.0e-11;
     double worst = kEnough;
@@ -53,8 +53,8 @@ class Vertex {
     return found;
   }
 
-  /// Takes in `bound` for the one whose price is 0 first. @return false if no price falls: then the
-  /// bounds contradict each other.
+  /// Exchanges the bound whose price reaches 0 first for `bound`. @return false if no price falls:
+  /// then the bounds contradict each other.
   [[nodiscard]] bool take(std::size_t bound) {
     constexpr double kNothing = 1.0e-9;
     std::optional<std::size_t> leaving;
@@ -64,7 +64,7 @@ class Vertex {
       if (factors_[i] <= kNothing) continue;
       const double ratio = prices_[i] / factors_[i];
       const bool is_first = !leaving || ratio < least;
-      // Of equal ones the larger factor: it is the divisor below.
+      // Among equal ratios take the larger factor: it is the divisor below.
       if (is_first || (ratio <= least && factors_[i] > factors_[*leaving])) {
         least = ratio;
         leaving = i;
@@ -80,7 +80,8 @@ class Vertex {
   /// @return the prices of the rows.
   [[nodiscard]] std::vector<double> prices() const { return of_rows(prices_); }
 
-  /// @return the prices by which `bound`, which could not be taken in, and the others give 0.
+  /// @return the prices with which the others and `bound`, which could not be taken in, add up to
+  ///         0.
   [[nodiscard]] std::vector<double> contradiction(std::size_t bound) const {
     std::vector<double> weights(count_);
     std::transform(factors_.begin(), factors_.end(), weights.begin(), [](double factor) {
@@ -132,7 +133,7 @@ class Vertex {
   std::vector<double> prices_;                // of the active bounds
   std::vector<std::vector<double>> columns_;  // of the inverse of their matrix
   std::vector<double> point_;
-  std::vector<double> factors_;  // of the active bounds in the one that is taken in
+  std::vector<double> factors_;  // of the active bounds in the bound that is taken in
 };
 
 }  // namespace
@@ -150,7 +151,7 @@ void LinearProgramme::add(std::vector<double> row, double bound) {
 }
 
 LinearProgramme::Solution LinearProgramme::solve() const {
-  constexpr int kMostSteps = 20'000;  // some three for each variable are usual
+  constexpr int kMostSteps = 20'000;  // about three per variable are usual
   Vertex vertex(*this);
   Solution solution;
   for (int step = 0; step < kMostSteps; ++step) {

@@ -7,46 +7,47 @@
 
 namespace vdrive::test {
 
-/// The largest sum under linear bounds: objective·z for all z in [-1, 1] with row·z <= bound.
+/// The largest sum under linear bounds: maximizes objective·z over all z in [-1, 1] with row·z <=
+/// bound.
 ///
-/// `solve` is a dual simplex: it starts where the box alone allows the most, and takes in the row
-/// that is broken most until none is. Nobody has to believe it. With any prices >= 0 of the rows
+/// `solve` is a dual simplex: it starts at the corner of the box with the largest objective, and
+/// takes in the row that is violated most until none is. The result can be checked without trusting
+/// it. With any prices >= 0 of the rows
 ///   objective·z <= Σ price·bound + Σ |objective - Σ price·row|
-/// holds for each z that is allowed (weak duality), and the same without the objective shows that
-/// none is allowed where the right side is below 0. `ceiling` and `proof_of_none` calculate these
-/// sides from the rows, `breach` what a z breaks.
+/// holds for each allowed z (weak duality), and the same without the objective shows that no z is
+/// allowed if the right side is below 0. `ceiling` and `proof_of_none` calculate these right sides
+/// from the rows; `breach` calculates by how much a z violates the bounds.
 class LinearProgramme {
  public:
   enum class End : std::uint8_t {
     optimal,
     infeasible,
-    no_end,  ///< too many steps, which rounding may cause
+    no_end,  ///< too many steps; rounding may cause that
   };
 
   struct Solution {
     End end = End::no_end;
     std::vector<double> variables;  ///< where optimal
-    std::vector<double> prices;     ///< of the rows, >= 0; where infeasible those of the proof
+    std::vector<double> prices;     ///< of the rows, >= 0; if infeasible, those of the proof
   };
 
   explicit LinearProgramme(std::vector<double> objective);
 
-  /// Bounds row·z to at most `bound`. @pre some value of `row`, which has one for each variable, is
-  /// not 0
+  /// Adds the bound row·z <= `bound`. @pre `row` has one value for each variable, not all 0
   void add(std::vector<double> row, double bound);
 
   [[nodiscard]] Solution solve() const;
 
   [[nodiscard]] double value(const std::vector<double>& variables) const;
 
-  /// @return by how much `variables` break the row, or the box, that they break most; <= 0 if none.
-  ///         A row counts in units of its largest factor.
+  /// @return by how much `variables` violate the row, or the box, that they violate most; <= 0 if
+  ///         none. A row counts in units of its largest factor.
   [[nodiscard]] double breach(const std::vector<double>& variables) const;
 
-  /// @return what no allowed z exceeds.
+  /// @return an upper limit of the objective for every allowed z.
   [[nodiscard]] double ceiling(const std::vector<double>& prices) const;
 
-  /// @return below 0 no z is allowed.
+  /// @return a value below 0 if no z is allowed.
   [[nodiscard]] double proof_of_none(const std::vector<double>& prices) const;
 
   [[nodiscard]] const std::vector<double>& objective() const { return objective_; }

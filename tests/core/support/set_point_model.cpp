@@ -60,12 +60,12 @@ class Model {
     }
   }
 
-  /// Automatic transitions and the demand of the tick; before the drive's step.
+  /// Automatic transitions and the demand of the tick; called before the drive's step.
   void begin_tick() {
     if (state_ == PowerState::fault_reaction_active) {
-      state_ = PowerState::fault;  // coasting: the reaction shows for one tick
+      state_ = PowerState::fault;  // coasting: the reaction is shown for one tick
     } else if (state_ == PowerState::quick_stop_active && !entered_) {
-      state_ = PowerState::switch_on_disabled;  // so does the quick stop of 605Ah = 0
+      state_ = PowerState::switch_on_disabled;  // so is the quick stop of 605Ah = 0
     }
     entered_ = false;
     watch_causes();
@@ -73,7 +73,7 @@ class Model {
     replan();
   }
 
-  /// After the drive's step: demand, bits 10 and 12.
+  /// Demand and bits 10 and 12; called after the drive's step.
   void end_tick() {
     if (!enabled()) {
       x_ = axis_.actual();
@@ -131,7 +131,7 @@ class Model {
     });
   }
 
-  /// A lost DC link is a fault where there is power to lose, and a way back elsewhere.
+  /// A lost DC link is a fault where there is power to lose; elsewhere it leads back.
   void watch_causes() {
     for (const auto& [name, present] : causes_) {
       const bool dc_link = name == "test_dc_link_loss";
@@ -211,7 +211,7 @@ class Model {
     rest_here();
   }
 
-  /// The latched target is where the axis is: reached at once.
+  /// The axis's position becomes the latched target, which is reached at once.
   void rest_here() {
     drop();
     target_ = std::nearbyint(x_);
@@ -372,7 +372,7 @@ class Model {
   std::uint32_t ignored_ = 0;
 };
 
-/// @return what differs after the tick, or "".
+/// @return the difference after the tick, or "".
 std::string difference(const AxisUnderTest& axis, const Model& model) {
   std::ostringstream text;
   const auto compare = [&text](const char* what, std::int64_t drive, std::int64_t expected) {
@@ -416,7 +416,7 @@ std::string line_of(const Command& command) {
   return text.str();
 }
 
-/// The ticks [first, last), runs of the same statusword in one line.
+/// The ticks [first, last); consecutive ticks with the same statusword share a line.
 void print_ticks(std::ostream& text, const std::vector<ExpectedTick>& ticks, std::size_t first,
                  std::size_t last) {
   for (std::size_t i = first; i < last;) {

@@ -11,8 +11,8 @@
 
 namespace vdrive::test {
 
-// Command sequences for one axis in profile position mode, a reference model
-// of them, and the scenario that repeats them with `vdrive run`.
+// Command sequences for one axis in profile position mode, a reference model for them, and a
+// scenario that repeats them with `vdrive run`.
 
 /// A write of an object by its variable_name.
 struct Command {
@@ -20,13 +20,13 @@ struct Command {
   std::int64_t value = 0;
 };
 
-/// Writes before one tick, then time [ticks of 1 ms].
+/// Writes before one tick, and the time after them [ticks of 1 ms].
 struct Step {
   std::vector<Command> writes;
   std::uint32_t ticks = 1;
 };
 
-/// What the model expects of a tick.
+/// The values that the model expects in a tick.
 struct ExpectedTick {
   std::uint16_t statusword = 0;
   std::int64_t mode = 0;
@@ -34,11 +34,11 @@ struct ExpectedTick {
   std::int64_t demand_velocity = 0;
 };
 
-/// Drive and model side by side.
+/// Result of running drive and model side by side.
 struct SideBySide {
-  std::string difference;               ///< the first one with its tick, or ""
-  std::vector<ExpectedTick> ticks;      ///< up to the difference, its tick included
-  std::map<std::string, int> occurred;  ///< how often which kind of event met the axis
+  std::string difference;               ///< the first one, with its tick, or ""
+  std::vector<ExpectedTick> ticks;      ///< up to and including the tick of the difference
+  std::map<std::string, int> occurred;  ///< how often each kind of event occurred
 };
 
 /// The axis of tests/data/whole_units.yaml.
@@ -50,7 +50,8 @@ struct SideBySide {
 [[nodiscard]] SideBySide run_side_by_side(const std::vector<Step>& steps);
 
 /// @return the sequence as a file for `vdrive run`, with the expected status of every tick of
-///         `ticks`: a statusword in each, mode and demand at the end of each step and of the file.
+///         `ticks`: the statusword of each tick, mode and demand at the end of each step and of the
+///         file.
 [[nodiscard]] std::string scenario_of(const std::vector<Step>& steps,
                                       const std::vector<ExpectedTick>& ticks);
 

@@ -10,7 +10,8 @@
 
 namespace vdrive::test {
 
-/// Controlwords: enabling, set-points of each kind, halts, everything that leaves, resets.
+/// Controlwords: enabling, set-points of each kind, halts, all commands that leave Operation
+/// enabled, resets.
 inline rc::Gen<std::int64_t> any_controlword() {
   return rc::gen::elementOf(std::vector<std::int64_t>{
       0x0F,  0x1F,  0x3F, 0x5F,  0x7F, 0x0F,  0x1F, 0x3F, 0x10F, 0x11F, 0x13F,
@@ -34,7 +35,7 @@ inline rc::Gen<Command> any_command() {
       {2, value_of("profile_acc", ramp)},
       {2, value_of("profile_dec", ramp)},
       {2, value_of("positioning_option_code", rc::gen::inRange<std::int64_t>(0, 3))},
-      // No mode and modes that no drive of this kind has: refused, 6060h keeps its value.
+      // Mode 0 and modes that this kind of drive does not have are refused; 6060h keeps its value.
       {6, value_of("op_mode_cmd", rc::gen::elementOf(Values{0, 0, 1, 1, 1, 11, 5, -1, 127}))},
       {2, value_of("position_target_reached_window",
                    rc::gen::elementOf(Values{0, 5, 100, 4294967295}))},
@@ -55,7 +56,7 @@ inline rc::Gen<Step> any_step() {
                                       {1, rc::gen::inRange<std::uint32_t>(30, 900)}})));
 }
 
-/// Steps of an enabled axis.
+/// Steps that begin with an enabled axis.
 inline std::vector<Step> from_enabled(std::vector<Step> steps) {
   steps.insert(steps.begin(), Step{{{"op_mode_cmd", 1}, {"ds402_controlword", 0x0F}}, 1});
   return steps;
