@@ -44,15 +44,15 @@ bool uses_index(int method) {
   return method == 1 || method == 2 || method == 33 || method == 34;
 }
 
-/// An axis on its bench: limit switches at fixed mechanical places, and where the load really is,
-/// in any frame of 6064h.
+/// An axis on its test bench: limit switches at fixed mechanical positions, and the true position
+/// of the load, whatever the frame of 6064h.
 class Bench {
  public:
   explicit Bench(const AxisConfiguration& configuration = {},
                  microseconds period = AxisUnderTest::kDefaultPeriod)
       : axis(configuration, period), place(configuration.initial_position) {}
 
-  /// One tick, then the switches are set from the position of the axis.
+  /// One tick, after which the switches are set according to the position of the axis.
   void tick() {
     const bool attained = (axis.statusword() & kAttained) != 0 && axis.status().op_mode_actual == 6;
     const std::int32_t before = axis.actual();
@@ -101,7 +101,7 @@ class Bench {
   /// Long enough to settle.
   void settle() { ticks(static_cast<std::uint64_t>(0.2 / axis.seconds_per_tick())); }
 
-  /// Profile position to the place `target` of the first frame.
+  /// Moves in profile position to `target`, a position in the first frame.
   void move_to(double target) {
     axis.write("op_mode_cmd", 1);
     axis.command(0x000F);
@@ -117,7 +117,7 @@ class Bench {
     settle();
   }
 
-  /// Mode 6 in Operation enabled, at rest.
+  /// Mode 6, Operation enabled, at rest.
   void enter(int method, std::int32_t offset = 0) {
     axis.write("homing_method", method);
     axis.write("home_offset", offset);
@@ -133,7 +133,7 @@ class Bench {
     tick();
   }
 
-  /// A whole run to 011, settled.
+  /// A complete run to 011, with time to settle.
   void home(int method, std::int32_t offset = 0) {
     ASSERT_NO_FATAL_FAILURE(enter(method, offset));
     start();
@@ -162,7 +162,7 @@ class Bench {
   bool positive_ = false;
 };
 
-/// Distance to the nearest index mark, once a motor revolution from place 0 on.
+/// Distance to the nearest index mark; there is one per motor revolution, counted from position 0.
 double from_mark(double place, double marks = 4096.0) {
   return place - marks * std::round(place / marks);
 }
@@ -196,7 +196,7 @@ TEST_P(HomingMethod, FindsTheSamePlaceFromEveryStart) {
     const bool blocked_way =
         (method == 33 && from < -16'384.0) || (method == 34 && from > 16'384.0);
     if (blocked_way) {
-      continue;  // the next mark lies behind the switch
+      continue;  // the next mark lies beyond the switch
     }
     ASSERT_NO_FATAL_FAILURE(bench.home(method));
     // A tick at creep speed is 3.413 units; reading and rounding add one.
@@ -251,7 +251,7 @@ TEST_P(HomingMethod, FindsTheSamePlaceWhenRepeated) {
   ASSERT_NO_FATAL_FAILURE(bench.home(method, 1'000));
   const double home = bench.place;
   const bool forward =
-      method == 34 || method == 18;  // from the side on which the next mark is the same one
+      method == 34 || method == 18;  // starts on the side from which the next mark is the same one
   for (int round = 0; round < 4; ++round) {
     ASSERT_NO_FATAL_FAILURE(bench.move_to(home + (forward ? -500.0 : 500.0)));
     const double from = bench.place;
@@ -342,7 +342,7 @@ TEST_P(HomingMethod, ShowsEachPhaseInBits13To10) {
   bench.tick();
   EXPECT_EQ(bench.axis.statusword() & ~0x0800, 0x1637) << "bit 4 may drop";
 
-  bench.axis.controlword(0x001F);  // a new run: 10 and 12 drop in its first status
+  bench.axis.controlword(0x001F);  // a new run: bits 10 and 12 are cleared in its first status
   bench.tick();
   EXPECT_EQ(bench.phase(), kRunning);
 }
@@ -397,7 +397,7 @@ TEST_P(HomingOn, EveryMethodFindsItsPlace) {
     configuration.parameters = {{AxisUnderTest::address_of("gear_ratio_numerator"), 3},
                                 {AxisUnderTest::address_of("gear_ratio_denominator"), 2}};
   }
-  // One motor revolution, in units of the encoder that 6064h reads.
+  // One motor revolution, in units of the encoder that 6064h shows.
   const bool at_load = machine.geared && machine.feedback == Feedback::dual_encoder;
   const double marks = at_load ? 6144.0 : 4096.0;
   for (const int method : kMethods) {
@@ -484,7 +484,7 @@ TEST(HomingIndex, IgnoresAPulseBeforeTheAxisLeavesTheLimitSwitch) {
 }
 
 TEST(HomingIndex, KeepsTheMarksWherePositionsWrap) {
-  // 2^31 is a multiple of 4096: the marks of the first frame are those of the register.
+  // 2^31 is a multiple of 4096: the marks of the first frame coincide with those of the register.
   AxisConfiguration configuration;
   configuration.initial_position = 2'147'480'000;
   Bench bench(configuration);
@@ -519,7 +519,7 @@ TEST(HomingIndex, RepeatedRunsDoNotDrift) {
     ASSERT_TRUE(bench.tick_until([&] {
       const bool attained = bench.phase() == kAttained;
       if (attained) {
-        // Same mark, same offset: the frame must not move. 3.413 units a tick.
+        // Same mark, same offset: the frame must not move. 3.413 units per tick.
         EXPECT_NEAR(bench.axis.actual() - before, 3.4, 1.5);
       }
       before = bench.axis.actual();
@@ -534,7 +534,7 @@ TEST(HomingIndex, RepeatedRunsDoNotDrift) {
 // ---- interruptions
 // ----------------------------------------------------------------------------------
 
-/// Method 1 at the given stage: search -, leave +, index +, and the way back.
+/// Stages of method 1: search -, leave +, index +, and the way back.
 enum class Stage { search, leave, index, back };
 
 void run_to(Bench& bench, Stage stage) {
@@ -585,7 +585,7 @@ TEST_P(HomingInterrupted, ByHaltContinuesWhenHaltEndsWhileBit4Is1) {
   bench.tick();
   EXPECT_EQ(bench.phase(), stage() == Stage::back ? kAttained : kRunning);
   EXPECT_TRUE(bench.tick_until_phase(kDone));
-  bench.ticks(100);  // it may be within the window of home before it is there
+  bench.ticks(100);  // the axis may be within the window of home before it arrives
   EXPECT_NEAR(bench.place, -8'192.0, 2.0);
   EXPECT_EQ(bench.axis.status().ignored_set_points, 0U);
 }
@@ -904,7 +904,7 @@ TEST(HomingError, NeverShowsBits12And13Together) {
   }
 }
 
-// CiA 402-2 reserves 15, 16, 31 and 32 and has no 36; below 0 are the mechanical stops.
+// CiA 402-2 reserves 15, 16, 31 and 32 and has no 36; negative methods search for mechanical stops.
 TEST(HomingMethodObject, AcceptsZeroAndTheSupportedMethodsOnly) {
   AxisUnderTest axis;
   for (std::int64_t value = -128; value <= 127; ++value) {
@@ -921,7 +921,7 @@ TEST(HomingMethodObject, AcceptsZeroAndTheSupportedMethodsOnly) {
 // ---- software limits
 // ------------------------------------------------------------------------------
 
-/// 607Dh = 10 to 1000 with 3535h: bit 11 at position 0 shows that it is in force.
+/// 607Dh = 10 to 1000 with 3535h: bit 11 at position 0 shows whether it is in force.
 Bench limited_bench(bool need_homing) {
   AxisConfiguration configuration;
   configuration.settings.limits_need_homing = need_homing;

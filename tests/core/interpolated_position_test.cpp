@@ -19,7 +19,7 @@ using std::chrono::microseconds;
 using test::AxisUnderTest;
 using enum PowerState;
 
-/// Interpolated position in Operation enabled, at rest; a record each 10 ms.
+/// Interpolated position, Operation enabled, at rest; one record every 10 ms.
 /// @param size of the buffer; 1 = none
 void enable_interpolated_position(AxisUnderTest& axis, std::int64_t size, std::uint16_t word) {
   axis.write("interpolation_time_period", 10);
@@ -70,7 +70,7 @@ TEST(InterpolatedPosition, ARecordIsReachedAfter60C2h) {
 TEST(InterpolatedPosition, BitFourIsALevel) {
   AxisUnderTest axis;
   axis.write("op_mode_cmd", 7);
-  axis.command(0x001F);  // it was up before the mode could be active
+  axis.command(0x001F);  // it was set before the mode could be active
   EXPECT_TRUE(axis.interpolates());
   EXPECT_EQ(axis.status().ignored_set_points, 0U);
 }
@@ -414,14 +414,14 @@ TEST(InterpolatedPosition, ABlockedAxisHasAFollowingError) {
   axis.write("following_error_time_out", 0);
   axis.write("test_blocked_load", 1);
   enable_interpolated_position(axis, 1, 0x001F);
-  // 100 UU a tick: outside of 6065h with the second tick, longer than 6066h = 0 with the third.
+  // 100 UU per tick: outside 6065h in the second tick, for longer than 6066h = 0 in the third.
   add_record(axis, 1'000);
   axis.step(2);
   EXPECT_EQ(axis.statusword(), 0x1237);
   axis.step();
   EXPECT_EQ(axis.statusword(), 0x221F) << "the fault reaction, bit 13";
   EXPECT_EQ(axis.read("error_code"), 0x8611);
-  // 605Eh = 2: from 100000 UU/s by 6085h = 2048000 UU/s² within 49 ticks.
+  // 605Eh = 2: from 100000 UU/s with 6085h = 2048000 UU/s² within 49 ticks.
   axis.step(48);
   EXPECT_EQ(axis.statusword(), 0x221F);
   axis.step(3);

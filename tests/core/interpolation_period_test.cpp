@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// 60C2h: the way to a set-point of cyclic synchronous position mode over several ticks.
+// 60C2h: the way to a set-point of cyclic synchronous position mode is spread over several ticks.
 #include "core/support/axis_under_test.hpp"
 #include "support/random_cases.hpp"
 #include "vdrive/axis_bank.hpp"
@@ -27,7 +27,7 @@ using test::AxisUnderTest;
 using test::Random;
 using enum PowerState;
 
-/// Cyclic position in Operation enabled, at rest, with this 60C2h:01 [ms].
+/// Cyclic position, Operation enabled, at rest, with this 60C2h:01 [ms].
 void enable_interpolating(AxisUnderTest& axis, std::int64_t milliseconds) {
   axis.write("interpolation_time_period", milliseconds);
   axis.write("op_mode_cmd", 8);
@@ -124,13 +124,13 @@ TEST(InterpolationPeriod, TakesTheShortWayAcrossTheEndsOfTheRegister) {
   }
 }
 
-/// The position that the master streams: a turn of 1 Hz, whose way begins at rest.
+/// The position that the master streams: a sine of 1 Hz that starts at rest.
 std::int32_t streamed_turn(int tick) {
   return static_cast<std::int32_t>(
       std::lround(5'000.0 * (1.0 - std::cos(2.0 * std::numbers::pi * tick * 1.0e-3))));
 }
 
-/// @return the largest 60F4h under a stream with a SYNC of 10 ms.
+/// @return the largest 60F4h during a stream with a SYNC every 10 ms.
 std::int32_t largest_error_with(std::int64_t milliseconds) {
   AxisUnderTest axis;
   enable_interpolating(axis, milliseconds);
@@ -143,8 +143,8 @@ std::int32_t largest_error_with(std::int64_t milliseconds) {
   return largest;
 }
 
-// At 31416 UU/s each SYNC of 10 ms lies 314 UU further: without 60C2h that is what the demand
-// jumps.
+// At 31416 UU/s successive SYNCs of 10 ms are 314 UU apart: without 60C2h the demand jumps by that
+// much.
 TEST(InterpolationPeriod, LetsTheAxisFollowASlowStreamWithoutJumps) {
   EXPECT_LT(5 * largest_error_with(10), largest_error_with(0));
 }
@@ -216,7 +216,7 @@ TEST(InterpolationPeriod, DoesNotBeginWithASetPointFromBeforeTheMode) {
   axis.step(50);
   EXPECT_EQ(axis.demand(), 0);
   EXPECT_FALSE(axis.follows_command());
-  aim_at(axis, 1'000);  // the same value, and the first one that counts
+  aim_at(axis, 1'000);  // the same value, but the first one that counts
   axis.step();
   EXPECT_EQ(axis.demand(), 100);
 }
@@ -249,8 +249,8 @@ TEST(InterpolationPeriod, CountsForASetPointOfTheSameTickInAnyOrder) {
   }
 }
 
-/// Random set-points at random ticks against the formula: the demand moves by what is left of the
-/// way over the ticks that are left.
+/// Random set-points at random ticks against the formula: in each tick the demand moves by the
+/// remaining way divided by the remaining ticks.
 TEST(InterpolationPeriod, FollowsItsFormulaForAnySetPoints) {
   const std::uint64_t seeds = test::case_count(40, 1'000);
   for (std::uint64_t seed = 0; seed < seeds; ++seed) {
@@ -294,7 +294,8 @@ struct TimeOfAWay {
   int ticks;
 };
 
-// A part of a tick is a whole one: 2.5 ms are three ticks of 1 ms, 1 ms is four of 333 us.
+// A fraction of a tick counts as a full tick: 2.5 ms are three ticks of 1 ms, 1 ms is four of 333
+// us.
 constexpr std::array<TimeOfAWay, 19> kTimesOfWays{{
     {1'000, 10, -3, 10}, {1'000, 100, -4, 10}, {1'000, 1, -2, 10},    {1'000, 250, -4, 25},
     {1'000, 1, -1, 100}, {1'000, 1, 0, 1'000}, {1'000, 2, -3, 2},     {1'000, 25, -4, 3},
@@ -362,7 +363,7 @@ TEST(InterpolationPeriod, IsStored) {
 
 // ---- no bit changes -----------------------------------------------------------------------------
 
-/// What three axes in these modes do under random commands, tick by tick.
+/// @return the status hash after each tick of three axes in these modes under random commands.
 std::vector<std::uint64_t> hashes_with(const std::array<std::int64_t, 3>& modes, microseconds tick,
                                        std::int64_t period, std::int64_t index) {
   constexpr std::array<std::uint16_t, 8> kWords{0x0F, 0x1F, 0x0F, 0x3F, 0x010F, 0x02, 0x06, 0x0F};
@@ -419,7 +420,7 @@ TEST(InterpolationPeriod, LeavesTheSpeedWithin607FhAndBit12ShowsIt) {
     AxisUnderTest axis;
     axis.write("app_speed_limit", 50'000);
     enable_interpolating(axis, 10);
-    aim_at(axis, sign * 1'020);  // 102 a tick are wanted
+    aim_at(axis, sign * 1'020);  // 102 per tick would be needed
     for (int tick = 1; tick <= 20; ++tick) {
       axis.step();
       ASSERT_EQ(axis.demand(), sign * 50 * tick);
@@ -480,7 +481,7 @@ TEST(InterpolationPeriod, IsTheDemandThatTheFollowingErrorCounts) {
   axis.write("interpolation_time_index", 0);
   enable_interpolating(axis, 1);
   axis.write("test_blocked_load", 1);
-  aim_at(axis, 20'000);  // 20 in each of the 1000 ticks: 120 after six, still there in the next
+  aim_at(axis, 20'000);  // 20 in each of the 1000 ticks: 120 after six and in the next
   EXPECT_EQ(axis.step_until(
                 [&axis] {
                   return axis.read("error_code") == 0x8611;
@@ -491,7 +492,7 @@ TEST(InterpolationPeriod, IsTheDemandThatTheFollowingErrorCounts) {
 
 // ---- what ends a way ----------------------------------------------------------------------------
 
-/// Half of the way to 1000, at 100000 UU/s; stops brake with 1000000 UU/s².
+/// Halfway to 1000, at 100000 UU/s; stops brake with 1000000 UU/s².
 void go_half_the_way(AxisUnderTest& axis) {
   axis.write("quick_stop_deceleration", 1'000'000);
   axis.write("profile_dec", 1'000'000);
@@ -502,7 +503,7 @@ void go_half_the_way(AxisUnderTest& axis) {
   ASSERT_EQ(axis.demand(), 500);
 }
 
-/// From there on: 100 ticks of 1000 UU/s less each, over 100000²/(2·1000000) = 5000.
+/// From there: 100 ticks, each slower by 1000 UU/s, over 100000²/(2·1000000) = 5000.
 void expect_braking_on_the_way(AxisUnderTest& axis) {
   for (int tick = 1; tick <= 99; ++tick) {
     axis.step();

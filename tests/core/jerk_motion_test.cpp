@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// 6086h, 60A3h and 60A4h: which motions of an axis have limited jerk, and how it changes from one
-// plan to the next.
+// 6086h, 60A3h and 60A4h: the motions of an axis that have limited jerk, and changes of the jerk
+// from one plan to the next.
 #include "core/support/axis_under_test.hpp"
 #include "support/random_cases.hpp"
 #include "vdrive/axis_bank.hpp"
@@ -32,14 +32,14 @@ void limit_jerk(AxisUnderTest& axis, std::int64_t jerk) {
   axis.write("profile_jerk_1", jerk);
 }
 
-/// Starts a move at once, also in motion.
+/// Starts a move immediately, even in motion.
 void start_move(AxisUnderTest& axis, std::int64_t target) {
   axis.write("position_user_target_value", target);
   axis.controlword(0x002F);
   axis.command(0x003F);
 }
 
-/// @return what the demand's velocity loses in the next tick.
+/// @return the loss of the demand's velocity in the next tick.
 std::int32_t lost_in_a_tick(AxisUnderTest& axis) {
   const std::int32_t before = axis.demand_velocity();
   axis.step();
@@ -86,8 +86,8 @@ TEST(LimitedJerk, RefusesProfilesAndNumbersOfJerksThatItHasNot) {
 // ---- moves --------------------------------------------------------------------------------------
 
 TEST(LimitedJerk, RoundsBothRampsOfAMove) {
-  // 1000 UU/s by 6000 UU/s² and 60000 UU/s³: ramps of 1000/6000 + 6000/60000 = 0.26667 s and 133.33
-  // units, 9.73333 s between them, 10.26667 s in all.
+  // 1000 UU/s with 6000 UU/s² and 60000 UU/s³: ramps of 1000/6000 + 6000/60000 = 0.26667 s and
+  // 133.33 units, 9.73333 s between them, 10.26667 s in total.
   AxisUnderTest axis;
   limit_jerk(axis, 60'000);
   axis.write("profile_velocity", 1'000);
@@ -121,12 +121,12 @@ TEST(LimitedJerk, HasASecondJerkForTheSpeedThatShrinks) {
   EXPECT_NEAR(lost_in_a_tick(axis), 61, 1);
 }
 
-/// The demand's velocity in each tick, and whether its second difference is that of limited jerk.
+/// Checks in each tick that the second difference of the demand's velocity is that of limited jerk.
 class SmoothAxis {
  public:
   static constexpr std::int32_t kRounding = 3;
 
-  // 1e8 UU/s³: 100 UU/s more or less from tick to tick; a ramp of 1e6 UU/s² gives 1000 at once.
+  // 1e8 UU/s³: up to 100 UU/s of change from tick to tick; a ramp of 1e6 UU/s² gives 1000 at once.
   SmoothAxis() {
     limit_jerk(axis_, kFirstJerk);
     axis_.write("profile_jerk_2", kFirstJerk);
@@ -139,12 +139,12 @@ class SmoothAxis {
 
   AxisUnderTest& axis() { return axis_; }
 
-  /// Sets the jerk of both ramps, and that both count [UU/s³], also in motion.
+  /// Sets one jerk for each ramp [UU/s³], even in motion.
   void set_jerks(std::int64_t first, std::int64_t second) {
     axis_.write("profile_jerk_use", 2);
     axis_.write("profile_jerk_1", first);
     axis_.write("profile_jerk_2", second);
-    // A second difference has a part of the tick before.
+    // A second difference includes a part of the previous tick.
     old_jerk_ = std::max(jerk_, since_change_ < 2 ? old_jerk_ : 0);
     jerk_ = std::max(first, second);
     since_change_ = 0;
@@ -160,7 +160,7 @@ class SmoothAxis {
     for (int i = 0; i < ticks; ++i) step();
   }
 
-  /// Judges the tick that was just done.
+  /// Checks the tick that has just been run.
   void note() {
     const std::int32_t velocity = axis_.demand_velocity();
     const std::int32_t change = velocity - velocity_;
@@ -194,7 +194,7 @@ class LimitedJerkInMotion : public testing::TestWithParam<std::uint64_t> {
 
   Random& random() { return random_; }
 
-  /// @return from -most to most.
+  /// @return a value from -most to most.
   std::int64_t any_up_to(std::uint64_t most) {
     return static_cast<std::int64_t>(random_.below(2 * most + 1)) - static_cast<std::int64_t>(most);
   }
@@ -204,7 +204,7 @@ class LimitedJerkInMotion : public testing::TestWithParam<std::uint64_t> {
                  static_cast<std::int64_t>(100'000 + random_.below(900'001)));
   }
 
-  /// From 10 to 1000 UU/s a tick more or less.
+  /// Changes of 10 to 1000 UU/s per tick.
   void change_the_jerks() {
     const auto any = [this] {
       return static_cast<std::int64_t>(10'000'000 +
@@ -221,7 +221,7 @@ class LimitedJerkInMotion : public testing::TestWithParam<std::uint64_t> {
     axis().controlword(0x003F);
   }
 
-  /// To the other side, and a halt while it turns.
+  /// A move to the other side, and a halt while it turns round.
   void halt_in_a_reversal() {
     const std::int64_t way = axis().demand_velocity() > 0 ? -200'000 : 200'000;
     new_target(axis().demand() + way);
@@ -300,8 +300,8 @@ TEST_P(LimitedJerkInMotion, StaysLimitedInProfileVelocityMode) {
 }
 
 TEST_P(LimitedJerkInMotion, BeginsAndEndsWithoutAJumpOfTheVelocity) {
-  // A trapezoid changes the acceleration at once, but no plan changes the velocity by more than its
-  // ramp in a tick.
+  // A trapezoid changes the acceleration abruptly, but no plan changes the velocity by more than
+  // its ramp in a tick.
   std::int32_t before = 0;
   for (int change = 0; change < kChanges && !HasFailure(); ++change) {
     SCOPED_TRACE("change " + std::to_string(change));
@@ -396,8 +396,8 @@ TEST(LimitedJerk, IsNotInTheStopAtALimitSwitch) {
   EXPECT_NEAR(lost_in_a_tick(axis), kQuickTick, 1);
 }
 
-// A stop of 2048000 UU/s² that ends with a jerk of 4096000 UU/s³ would go on for 0.5 s, by 512000
-// UU/s: backward, and faster than any limit.
+// A stop with 2048000 UU/s² that ended with a jerk of 4096000 UU/s³ would go on for 0.5 s, by
+// 512000 UU/s: backwards, and faster than any limit.
 TEST(LimitedJerk, TakesOfAStopThatEndsInMotionWhatItCanEndBeforeStandstill) {
   AxisUnderTest axis;
   axis.write("quick_stop_option_code", 6);
@@ -406,8 +406,8 @@ TEST(LimitedJerk, TakesOfAStopThatEndsInMotionWhatItCanEndBeforeStandstill) {
   axis.step(2);
   ASSERT_NEAR(axis.demand_velocity(), 10'000 - 2 * kQuickTick, 1);  // 5904
   axis.controlword(0x000F);                                         // transition 16
-  // The root of 2·4096000·5904 is 219920 UU/s², which ends after 54 ms; 217872 on the average of
-  // the first tick.
+  // The root of 2·4096000·5904 is 219920 UU/s², which can end in 54 ms; its average over the first
+  // tick is 217872.
   EXPECT_NEAR(lost_in_a_tick(axis), 218, 1);
   for (int tick = 0; tick < 60; ++tick) {
     axis.step();
@@ -424,7 +424,7 @@ TEST(LimitedJerk, KeepsItsSpeedBehindAStopThatALimitSwitchLetsGo) {
   axis.step(3);
   ASSERT_NEAR(axis.demand_velocity(), 9'998 - 3 * kQuickTick, 1);  // 3854
   axis.write("test_positive_limit_input", 0);
-  // The root of 2·4096000·3854 is 177685 UU/s²; the way back has more of it: 178 + 2 UU/s.
+  // The root of 2·4096000·3854 is 177685 UU/s²; the move back adds to it: 178 + 2 UU/s.
   EXPECT_NEAR(lost_in_a_tick(axis), 180, 1);
   for (int tick = 0; tick < 1'000; ++tick) {
     axis.step();
@@ -435,8 +435,8 @@ TEST(LimitedJerk, KeepsItsSpeedBehindAStopThatALimitSwitchLetsGo) {
 }
 
 TEST(LimitedJerk, MakesAnAxisThatSpeedsUpFasterBeforeItHalts) {
-  // 0.05 s: 4096000·0.05 = 204800 UU/s² and 5120 UU/s. The acceleration ends 0.05 s later, with
-  // 10240 UU/s.
+  // 0.05 s: 4096000·0.05 = 204800 UU/s² and 5120 UU/s. The acceleration ends 0.05 s later, at 10240
+  // UU/s.
   AxisUnderTest axis;
   limit_jerk(axis, 4'096'000);
   axis.write("following_error_window", 0xFFFFFFFF);
@@ -503,7 +503,7 @@ TEST(LimitedJerk, IsNotInHoming) {
 
 // ---- the bank -----------------------------------------------------------------------------------
 
-/// Axes on a move each, the first of them with limited jerk where `has_jerk`.
+/// One moving axis each; the first has limited jerk if `has_jerk`.
 AxisBank moving_axes(std::size_t count, bool has_jerk) {
   AxisBank bank(std::vector<AxisConfiguration>(count), std::chrono::microseconds{1000});
   for (std::size_t axis = 0; axis < count; ++axis) {

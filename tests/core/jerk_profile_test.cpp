@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Plans of limited jerk: cases from textbooks with numbers worked by hand. Random plans are judged
-// in jerk_property_test.cpp and jerk_programme_test.cpp.
+// Plans with limited jerk: textbook cases with numbers worked out by hand. jerk_property_test.cpp
+// and jerk_programme_test.cpp check random plans.
 #include "vdrive/motion/jerk_profile.hpp"
 
 #include <gtest/gtest.h>
@@ -17,9 +17,9 @@ constexpr MotionLimits kLimits{.velocity = 100.0, .acceleration = 200.0, .decele
 constexpr MotionJerk kJerk{.acceleration = 1000.0, .deceleration = 1000.0};
 
 TEST(JerkProfile, RunsTheSevenSegmentsOfTheTextbook) {
-  // 200 units/s² are built up in 0.2 s, to 20 units/s and 1000·0.2³/6 = 4/3 units. 80 units/s after
-  // 0.3 s more, 4/3 + 20·0.3 + 200·0.3²/2 = 49/3 units. 100 units/s at 0.7 s, half of 100·0.7 = 35
-  // units. The same to brake; 30 units are left for 0.3 s at 100 units/s.
+  // 200 units/s² are built up in 0.2 s, to 20 units/s and 1000·0.2³/6 = 4/3 units. 0.3 s later 80
+  // units/s and 4/3 + 20·0.3 + 200·0.3²/2 = 49/3 units. 100 units/s at 0.7 s, after half of
+  // 100·0.7, 35 units. Braking takes the same; 30 units remain for 0.3 s at 100 units/s.
   const JerkProfile profile = plan_jerk_move({}, 100.0, kLimits, kJerk);
 
   ASSERT_EQ(profile.segment_count(), 7U);
@@ -38,7 +38,7 @@ TEST(JerkProfile, RunsTheSevenSegmentsOfTheTextbook) {
 }
 
 TEST(JerkProfile, RunsAShortMoveByItsJerkAlone) {
-  // Four times T with 2·J·T³ = way: T = 0.1 s for 2 units. The peak is J·T² = 10 units/s.
+  // Four times T with 2·J·T³ = distance: T = 0.1 s for 2 units. The peak is J·T² = 10 units/s.
   const JerkProfile profile = plan_jerk_move({}, 2.0, kLimits, kJerk);
 
   ASSERT_EQ(profile.segment_count(), 3U) << "the two falls in the middle are one";
@@ -49,8 +49,8 @@ TEST(JerkProfile, RunsAShortMoveByItsJerkAlone) {
 }
 
 TEST(JerkProfile, HoldsTheAccelerationWhereTheVelocityIsNotReached) {
-  // 50 units/s² after 0.05 s; held for 0.1 s: the peak is 50·0.15 = 7.5 units/s after 0.2 s, the
-  // way to it 7.5·0.2/2 units, and once more to brake.
+  // 50 units/s² after 0.05 s, held for 0.1 s: the peak is 50·0.15 = 7.5 units/s after 0.2 s and
+  // 7.5·0.2/2 units; braking takes the same again.
   const MotionLimits limits{.velocity = 100.0, .acceleration = 50.0, .deceleration = 50.0};
   const JerkProfile profile = plan_jerk_move({}, 1.5, limits, kJerk);
 
@@ -61,8 +61,8 @@ TEST(JerkProfile, HoldsTheAccelerationWhereTheVelocityIsNotReached) {
 }
 
 TEST(JerkProfile, BrakesByItsDeceleration) {
-  // Up as above: 0.7 s, 35 units. Down by 100 units/s²: 100/100 + 100/1000 = 1.1 s, 55 units. 110
-  // units are left.
+  // Up as above: 0.7 s, 35 units. Down with 100 units/s²: 100/100 + 100/1000 = 1.1 s, 55 units. 110
+  // units remain.
   const MotionLimits limits{.velocity = 100.0, .acceleration = 200.0, .deceleration = 100.0};
   const JerkProfile profile = plan_jerk_move({}, 200.0, limits, kJerk);
 
@@ -71,7 +71,7 @@ TEST(JerkProfile, BrakesByItsDeceleration) {
 }
 
 TEST(JerkProfile, HasAJerkForEachRamp) {
-  // Down with 500 units/s³: 100/200 + 200/500 = 0.9 s, 45 units. 20 units are left.
+  // Down with 500 units/s³: 100/200 + 200/500 = 0.9 s, 45 units. 20 units remain.
   const MotionJerk jerk{.acceleration = 1000.0, .deceleration = 500.0};
   const JerkProfile profile = plan_jerk_move({}, 100.0, kLimits, jerk);
 
@@ -81,7 +81,7 @@ TEST(JerkProfile, HasAJerkForEachRamp) {
 }
 
 TEST(JerkProfile, MeetsAVelocityThatItsAccelerationForcesItOver) {
-  // 200 units/s² end after 0.2 s, at 95 + 200²/2000 = 115 units/s. From there 15 units/s down:
+  // 200 units/s² end after 0.2 s, at 95 + 200²/2000 = 115 units/s. From there down by 15 units/s:
   // twice T with J·T² = 15.
   const JerkProfile profile = plan_jerk_velocity({0.0, 95.0, 200.0}, 100.0, kLimits, kJerk);
 
@@ -94,8 +94,8 @@ TEST(JerkProfile, MeetsAVelocityThatItsAccelerationForcesItOver) {
 }
 
 TEST(JerkProfile, StopsAnAxisThatSpeedsUpAfterTheRestOfItsAcceleration) {
-  // 0.1 s up to 15 units/s: 10·0.1 + 100·0.1²/2 - 1000·0.1³/6 = 4/3 units. Then twice T with
-  // J·T² = 15 over 15·T.
+  // Up to 15 units/s in 0.1 s: 10·0.1 + 100·0.1²/2 - 1000·0.1³/6 = 4/3 units. Then twice T with
+  // J·T² = 15, over 15·T.
   const JerkProfile profile = plan_jerk_stop({0.0, 10.0, 100.0}, 200.0, kJerk);
 
   const double brake = std::sqrt(15.0 / 1000.0);
@@ -107,7 +107,7 @@ TEST(JerkProfile, StopsAnAxisThatSpeedsUpAfterTheRestOfItsAcceleration) {
 
 TEST(JerkProfile, ComesBackFromAnOvershootThatItCannotAvoid) {
   // -200 units/s² end after 0.2 s, at 5 - 20 = -15 units/s, at 5·0.2 - 200·0.2²/2 + 1000·0.2³/6 =
-  // -5/3 units. The stop takes 15·T more.
+  // -5/3 units. The stop takes another 15·T.
   const MotionSample start{0.0, 5.0, -200.0};
   const double back = std::sqrt(15.0 / 1000.0);
   const double rest = -5.0 / 3.0 - 15.0 * back;
@@ -116,7 +116,7 @@ TEST(JerkProfile, ComesBackFromAnOvershootThatItCannotAvoid) {
   EXPECT_NEAR(stop.duration(), 0.2 + 2.0 * back, 1.0e-12);
   EXPECT_NEAR(stop.end_position(), rest, 1.0e-12);
 
-  // A target on the near side of that is reached from behind, without a rest there.
+  // A target on the near side of that position is reached on the way back, without a rest there.
   const JerkProfile move = plan_jerk_move(start, rest + 2.0, kLimits, kJerk);
   EXPECT_EQ(move.end_position(), rest + 2.0);
   EXPECT_GT(move.at(move.duration() - 0.05).velocity, 0.0);
@@ -158,21 +158,21 @@ TEST(JerkProfile, TurnsWithTheSmallerAccelerationOfBothRamps) {
                                                       : speeding;
       highest = std::max(highest, now.acceleration);
     }
-    // 0.01 units/s beside 0 the acceleration is (2·1000·0.01)/(2·50) = 0.2 higher at most.
+    // Within 0.01 units/s of 0 the acceleration is at most (2·1000·0.01)/(2·50) = 0.2 higher.
     EXPECT_NEAR(turning, 50.0, 0.25);
     EXPECT_NEAR(slowing, deceleration, 1.0e-9);
     EXPECT_NEAR(speeding, acceleration, 1.0e-9);
-    // The ramp of 50 units/s²: 0.05 s for 1.25 units/s at its outer end, 98.75/50 = 1.975 s held.
-    // The one of 200: 0.2 s and 20 units/s, 61.25/200 = 0.30625 s held, 0.15 s and 18.75 units/s
-    // between 50 and 200 units/s².
+    // The ramp with 50 units/s²: 0.05 s for 1.25 units/s at its outer end, held for 98.75/50 =
+    // 1.975 s. The ramp with 200: 0.2 s and 20 units/s, held for 61.25/200 = 0.30625 s, 0.15 s and
+    // 18.75 units/s between 50 and 200 units/s².
     const JerkSegment& last = profile.segment(profile.segment_count() - 2);
     EXPECT_NEAR(last.end_time, 0.05 + 1.975 + 0.2 + 0.30625 + 0.15, 1.0e-12);
   }
 }
 
 TEST(JerkProfile, TurnsWithTheJerkOfEachRamp) {
-  // Slowing down 100 units/s² are built up in 0.2 s, 10 units/s, and held for 40/100 s; speeding up
-  // they are held for 45/100 s and taken back in 0.1 s, 5 units/s.
+  // While slowing down, 100 units/s² are built up in 0.2 s, 10 units/s, and held for 40/100 s;
+  // while speeding up they are held for 45/100 s and taken back in 0.1 s, 5 units/s.
   const MotionLimits limits{.velocity = 50.0, .acceleration = 100.0, .deceleration = 100.0};
   const MotionJerk jerk{.acceleration = 1000.0, .deceleration = 500.0};
   const JerkProfile profile = plan_jerk_velocity({0.0, -50.0, 0.0}, 50.0, limits, jerk);
@@ -185,7 +185,7 @@ TEST(JerkProfile, TurnsWithTheJerkOfEachRamp) {
 }
 
 TEST(JerkProfile, ComesBackWithinALowerAccelerationAtOnce) {
-  // 150 units/s² where 50 are allowed: 0.1 s of falling, then held.
+  // 150 units/s² where 50 are allowed: decreasing for 0.1 s, then held.
   const MotionLimits limits{.velocity = 100.0, .acceleration = 50.0, .deceleration = 50.0};
   const JerkProfile profile = plan_jerk_velocity({0.0, 10.0, 150.0}, 100.0, limits, kJerk);
 
@@ -196,7 +196,7 @@ TEST(JerkProfile, ComesBackWithinALowerAccelerationAtOnce) {
 }
 
 TEST(JerkProfile, ComesBackWithinALowerVelocityAtOnce) {
-  // From 100 to 50 units/s: 50/200 + 200/1000 = 0.45 s, also where the target is far ahead.
+  // From 100 to 50 units/s: 50/200 + 200/1000 = 0.45 s, even if the target is far ahead.
   const MotionLimits limits{.velocity = 50.0, .acceleration = 200.0, .deceleration = 200.0};
   const JerkProfile profile = plan_jerk_move({0.0, 100.0, 0.0}, 1.0e4, limits, kJerk);
 
@@ -208,9 +208,10 @@ TEST(JerkProfile, ComesBackWithinALowerVelocityAtOnce) {
 }
 
 TEST(JerkProfile, GoesBeyondItsTargetWhereTheJerkIsLoweredAtTheBeginOfItsBraking) {
-  // With 1000 units/s³ the stop from 100 units/s is the 35 units to the target. With 500 the
-  // acceleration takes 0.4 s, to 60 units/s and 100·0.4 - 500·0.4³/6 = 104/3 units; 0.3 s and 9
-  // units more to 0 at -200 units/s²: no motion turns before 131/3 units. A stop takes 45.
+  // With 1000 units/s³ stopping from 100 units/s takes the 35 units to the target. With 500 the
+  // deceleration takes 0.4 s to build up, to 60 units/s and 100·0.4 - 500·0.4³/6 = 104/3 units, and
+  // another 0.3 s and 9 units to 0 at -200 units/s²: no motion turns before 131/3 units. A stop
+  // takes 45.
   const MotionJerk lowered{.acceleration = 500.0, .deceleration = 500.0};
   const JerkProfile profile = plan_jerk_move({0.0, 100.0, 0.0}, 35.0, kLimits, lowered);
 
@@ -230,14 +231,15 @@ TEST(JerkProfile, GoesBeyondItsTargetWhereTheJerkIsLoweredAtTheBeginOfItsBraking
 TEST(JerkProfile, TurnsBeforeItsTargetWhereTheJerkIsLoweredAtTheEndOfItsBraking) {
   // 20 units/s at -200 units/s²: with 1000 units/s³ 0.2 s and 20·0.2 - 200·0.2²/2 + 1000·0.2³/6 =
   // 4/3 units to rest. With 500 the acceleration ends after 0.4 s, at -20 units/s and -8/3 units.
-  // From there to 20 units/s takes 2·√(40/500) s over no way, the stop 2·√(20/500) s and 4 units.
+  // From there to 20 units/s takes 2·√(40/500) s and no distance, the stop 2·√(20/500) s and 4
+  // units.
   const MotionJerk lowered{.acceleration = 500.0, .deceleration = 500.0};
   const JerkProfile profile = plan_jerk_move({0.0, 20.0, -200.0}, 4.0 / 3.0, kLimits, lowered);
 
   EXPECT_NEAR(profile.at(0.4).velocity, -20.0, 1.0e-11);
   EXPECT_NEAR(profile.at(0.4).position, -8.0 / 3.0, 1.0e-11);
   EXPECT_EQ(profile.end_position(), 4.0 / 3.0);
-  // A target that rounding moves by 1e-15 units costs (1e-15/500)^(1/3) = 1e-6 s at most.
+  // A target that rounding moves by 1e-15 units costs at most (1e-15/500)^(1/3) = 1e-6 s.
   EXPECT_NEAR(profile.duration(), 0.4 + 2.0 * std::sqrt(0.08) + 0.4, 1.0e-5);
 }
 

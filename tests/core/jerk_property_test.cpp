@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Properties of random plans of limited jerk: a checker that knows the limits only, the times of an
-// oracle in long double, and motions made of other sequences of jerks.
+// Properties of random plans with limited jerk: a checker that knows only the limits, the durations
+// from an oracle in long double, and motions made of other sequences of jerks.
 #include "core/support/allocation_guard.hpp"
 #include "core/support/jerk_oracle.hpp"
 #include "support/random_cases.hpp"
@@ -49,7 +49,7 @@ JerkProfile plan_of(const JerkCase& c) {
   return plan_jerk_move(c.start, c.target, c.limits, c.jerk);
 }
 
-/// @return the start, its way measured from there.
+/// @return the start, with positions measured from there.
 ExactState exact_start(const JerkCase& c) {
   return {.velocity = static_cast<long double>(c.start.velocity),
           .acceleration = static_cast<long double>(c.start.acceleration)};
@@ -81,7 +81,7 @@ JerkCase random_jerk_case(Random& random) {
     c.start.acceleration = signed_unit(random) * highest * (random.one_in(4) ? 2.0 : 1.0);
   }
   c.start.position = std::nearbyint(1.0e6 * signed_unit(random));
-  // Far away, near by, and around the end of the stop.
+  // Far away, nearby, and around the end of the stop.
   const double base = random.one_in(3)
                           ? plan_jerk_stop(c.start, c.limits.deceleration, c.jerk).end_position()
                           : c.start.position;
@@ -89,7 +89,7 @@ JerkCase random_jerk_case(Random& random) {
   return c;
 }
 
-/// What rounding may cost.
+/// The errors that rounding may cause.
 struct JerkTolerance {
   double position = 0.0;
   double velocity = 0.0;
@@ -144,7 +144,7 @@ void expect_rest_at(const JerkCase& c, const JerkProfile& profile, double positi
   ASSERT_EQ(end.acceleration, 0.0) << c;
 }
 
-/// @return the velocity in `direction` after an acceleration >= 0 in it has ended at once.
+/// @return the velocity in `direction` once an acceleration >= 0 in it has been reduced to 0.
 double settled_speed(const MotionSample& state, const MotionJerk& jerk, double direction) {
   const double v = direction * state.velocity;
   const double w = 0.5 * state.acceleration * state.acceleration;
@@ -153,7 +153,7 @@ double settled_speed(const MotionSample& state, const MotionJerk& jerk, double d
   return w <= until_rest ? v + w / jerk.deceleration : (w - until_rest) / jerk.acceleration;
 }
 
-/// The highest velocity in the direction that the start forces, whatever is planned.
+/// The highest velocity in the direction that the start forces, whatever the plan is.
 double forced_speed(const JerkCase& c, double direction) {
   const bool grows = direction * c.start.acceleration > 0.0;
   const double settled =
@@ -161,9 +161,9 @@ double forced_speed(const JerkCase& c, double direction) {
   return std::max(settled, c.limits.velocity);
 }
 
-/// @return the direction, 1 or -1, against which nothing forces the motion: the start does not go
-///         backward, its acceleration ends before that, and the target lies ahead of the fastest
-///         stop. Else 0.
+/// @return the direction, 1 or -1, that the motion must keep: the start does not go backwards, its
+///         acceleration ends before it would, and the target lies beyond the fastest stop. 0 if
+///         there is none.
 double kept_direction(const JerkCase& c, const JerkTolerance& slack) {
   const ExactPath stop = fastest_change(exact_start(c), 0.0L, c.limits, c.jerk);
   const double rest = c.start.position + static_cast<double>(stop.end().way);
@@ -180,7 +180,7 @@ struct VelocityRange {
   double highest = 0.0;
 };
 
-/// @return what a move may have: no velocity against the direction that it has to keep.
+/// @return the velocities that a move may have: none against the direction that it must keep.
 VelocityRange velocities_of_move(const JerkCase& c, const JerkTolerance& slack) {
   const double kept = kept_direction(c, slack);
   const double backward = kept > 0.0 ? 0.0 : forced_speed(c, -1.0);
@@ -188,14 +188,16 @@ VelocityRange velocities_of_move(const JerkCase& c, const JerkTolerance& slack) 
   return {-backward - slack.velocity, forward + slack.velocity};
 }
 
-/// @return the shortest time in which the velocity falls by `span`, from no acceleration to none.
+/// @return the shortest time in which the velocity falls by `span`, with no acceleration at both
+///         ends.
 double time_of_fall(double span, double deceleration, double jerk) {
   const bool is_capped = span > deceleration * deceleration / jerk;
   return is_capped ? span / deceleration + deceleration / jerk : 2.0 * std::sqrt(span / jerk);
 }
 
-/// A start above the velocity limit, or forced over it, is back as soon as the jerk allows: the
-/// acceleration ends, then the rest of the velocity goes with the deceleration and its jerk.
+/// A start above the velocity limit, or one that is forced over it, is back as soon as the jerk
+/// allows: the acceleration ends, then the excess velocity is removed with the deceleration and its
+/// jerk.
 void expect_back_at_its_velocity(const JerkCase& c, const JerkProfile& profile,
                                  const JerkTolerance& slack) {
   for (const double direction : {1.0, -1.0}) {
@@ -232,12 +234,12 @@ Roots roots_of(const JerkSegment& segment) {
   roots.add(begin - a / segment.jerk);
   const double square = a * a - 2.0 * segment.jerk * v;
   if (square > 0.0) {
-    // The form without a difference of almost equal numbers.
+    // This form avoids a difference of almost equal numbers.
     const double q = -(a + (a < 0.0 ? -1.0 : 1.0) * std::sqrt(square));
     roots.add(begin + q / segment.jerk);
     roots.add(begin + 2.0 * v / q);
   }
-  // Three at most: for the sort of the library gcc 12 warns of elements beyond.
+  // Three at most, sorted by hand: gcc 12 warns that the library's sort reads beyond the array.
   for (std::size_t i = 1; i < roots.count; ++i) {
     for (std::size_t j = i; j > 0 && roots.times.at(j) < roots.times.at(j - 1); --j) {
       std::swap(roots.times.at(j), roots.times.at(j - 1));
@@ -247,7 +249,7 @@ Roots roots_of(const JerkSegment& segment) {
 }
 
 /// The instants of a segment between which velocity and acceleration keep their signs: its ends and
-/// the roots of both. All extrema of the velocity are there, and of the acceleration, too.
+/// the roots of both. All extrema of the velocity and of the acceleration are among them.
 class Parts {
  public:
   Parts(const JerkSegment& segment, double begin, double end) : times_{begin} {
@@ -275,15 +277,15 @@ class Parts {
   std::size_t count_ = 0;
 };
 
-/// What bounds a part of a segment.
+/// The bounds of a part of a segment.
 struct PartBounds {
   double up = 0.0;    ///< acceleration in the direction of the motion
   double down = 0.0;  ///< the same against it
   double side = 1.0;  ///< 1 or -1, the direction of the motion
-  double jerk = 0.0;  ///< 0 where the sign of the velocity or acceleration is not known
+  double jerk = 0.0;  ///< 0 if the sign of the velocity or acceleration is not known
 };
 
-/// @param middle of the part. At a velocity that is 0 up to rounding its side is not known.
+/// @param middle of the part. If its velocity is 0 up to rounding, its side is not known.
 PartBounds bounds_of_part(const JerkCase& c, const MotionSample& middle,
                           const JerkTolerance& slack) {
   PartBounds bounds;
@@ -299,8 +301,8 @@ PartBounds bounds_of_part(const JerkCase& c, const MotionSample& middle,
   return bounds;
 }
 
-/// @return whether the acceleration is beyond its bounds. The instant at which the velocity is 0 is
-///         known as well as that velocity, and a²/2 changes by the jerk with the velocity.
+/// @return whether the acceleration exceeds its bounds. The instant of zero velocity is known only
+///         as precisely as the velocity, and a²/2 changes with the velocity by the jerk.
 bool has_excess(const JerkCase& c, const PartBounds& bounds, double acceleration,
                 const JerkTolerance& slack) {
   const double along = bounds.side * acceleration;
@@ -310,14 +312,13 @@ bool has_excess(const JerkCase& c, const PartBounds& bounds, double acceleration
   return std::abs(along) > rounded * (1.0 + 1.0e-9) + 4.0 * slack.acceleration;
 }
 
-/// @return whether this jerk is all that is in force, of one of the ramps where it is not known of
-///         which.
+/// @return whether this is the full jerk in force; if the ramp is not known, that of either ramp.
 bool is_full(const JerkCase& c, const PartBounds& bounds, double jerk) {
   return bounds.jerk > 0.0 ? jerk == bounds.jerk
                            : jerk == c.jerk.acceleration || jerk == c.jerk.deceleration;
 }
 
-/// @param may_return whether this piece may be the fall of the acceleration of the start
+/// @param may_return whether this part may still reduce the acceleration of the start
 void expect_part_within_limits(const JerkCase& c, const JerkSegment& segment, double begin,
                                double end, const JerkTolerance& slack, bool may_return) {
   const MotionSample middle = sample(segment, 0.5 * (begin + end));
@@ -338,7 +339,7 @@ void expect_part_within_limits(const JerkCase& c, const JerkSegment& segment, do
 void expect_within_limits(const JerkCase& c, const JerkProfile& profile, const JerkTolerance& slack,
                           const VelocityRange& range) {
   double begin = 0.0;
-  // As long as the acceleration of the start falls at the full jerk, nothing can be done.
+  // While the acceleration of the start is being reduced at the full jerk, no plan can do better.
   bool only_returns = true;
   for (std::size_t i = 0; i < profile.segment_count(); ++i) {
     const JerkSegment& segment = profile.segment(i);
@@ -368,7 +369,7 @@ void expect_the_mirror_image(const JerkCase& c, const JerkProfile& profile) {
   }
 }
 
-/// A part of a fastest motion is the fastest one between its ends.
+/// A part of a fastest motion is the fastest motion between its ends.
 void expect_the_same_time_from_its_middle(const JerkCase& c, const JerkProfile& profile,
                                           const JerkTolerance& slack, Random& random) {
   const double now = profile.duration() * random.unit();
@@ -384,13 +385,13 @@ void expect_the_same_time_from_its_middle(const JerkCase& c, const JerkProfile& 
       << c << " replanned at " << now;
 }
 
-/// A share of the random plans, with numbers of its own: a night has more of them than one test may
-/// take.
+/// A share of the random plans, each with random numbers of its own: a nightly run has more plans
+/// than one test may take.
 class JerkPlans : public testing::TestWithParam<std::uint64_t> {
  protected:
   static constexpr std::uint64_t kShares = 16;
 
-  /// @return the numbers of this share. @param seed of all shares
+  /// @return the random numbers of this share. @param seed of all shares
   static Random random(std::uint64_t seed) { return Random((seed << 8U) + GetParam()); }
 
   static std::uint64_t share_of(const test::Effort<std::uint64_t>& effort) {
@@ -422,15 +423,16 @@ TEST_P(JerkPlans, KeepTheirLimitsAndEndExactlyAtTheTarget) {
   }
 }
 
-/// @return the velocities between which a change goes straight: from the start to where its
-///         acceleration has ended, if that is another way, and on to the target.
+/// @return the range of velocities of a direct change: from the start to the velocity at which its
+///         acceleration has ended, if that leads the other way, and on to the target.
 VelocityRange velocities_of_change(const JerkCase& c, double target, const JerkTolerance& slack) {
   const auto settled = static_cast<double>(test::settled_velocity(exact_start(c), c.jerk));
   const auto [lowest, highest] = std::minmax({c.start.velocity, settled, target});
   return {lowest - slack.velocity, highest + slack.velocity};
 }
 
-/// @return what rounding may cost a change of the velocity: at its end a jerk that takes back δ.
+/// @return the time that rounding may cost a change of velocity: at its end a jerk that takes back
+///         δ.
 double rounding_of_change(const JerkCase& c, double target, const JerkTolerance& slack,
                           const ExactPath& expected) {
   const auto settled = static_cast<double>(test::settled_velocity(exact_start(c), c.jerk));
@@ -441,11 +443,12 @@ double rounding_of_change(const JerkCase& c, double target, const JerkTolerance&
          1.0e-12 * static_cast<double>(expected.duration());
 }
 
-/// @param arrival the time at which the profile has the velocity `target`
+/// @param arrival the time at which the profile reaches the velocity `target`
 void expect_the_fastest_change(const JerkCase& c, double target, const JerkProfile& profile,
                                double arrival) {
   JerkTolerance slack = tolerance_of_plan(c, profile);
-  // What is left of a²/2 at v = 0 is made of the jerk of one side and spent by that of the other.
+  // The remainder of a²/2 at v = 0 was built up with the jerk of one side and is used up with that
+  // of the other.
   slack.velocity += 256.0 * kUlp * c.start.acceleration * c.start.acceleration /
                     std::min(c.jerk.acceleration, c.jerk.deceleration);
   expect_continuous(c, profile, slack);
@@ -568,20 +571,21 @@ TEST(JerkProfileProperty, DoesNotAllocate) {
 // ---- the time -----------------------------------------------------------------------------------
 
 TEST(JerkOracle, HasTheTimesThatAreWorkedByHand) {
-  // See JerkProfile.TurnsWithTheSmallerAccelerationOfBothRamps: 50 units/s² slowing down, 200
-  // speeding up, 1000 units/s³.
+  // See JerkProfile.TurnsWithTheSmallerAccelerationOfBothRamps: slowing down with 50 units/s²,
+  // speeding up with 200, 1000 units/s³.
   const MotionLimits limits{.velocity = 100.0, .acceleration = 200.0, .deceleration = 50.0};
   const MotionJerk jerk{.acceleration = 1000.0, .deceleration = 1000.0};
   const ExactPath turn = fastest_change({.velocity = -100.0L}, 100.0L, limits, jerk);
   EXPECT_NEAR(static_cast<double>(turn.duration()), 0.05 + 1.975 + 0.15 + 0.30625 + 0.2, 1.0e-12);
 
-  // 200 units/s² lead from 95 to 115 units/s in 0.2 s; 15 units/s down take twice √(15/1000) s.
+  // 200 units/s² lead from 95 to 115 units/s in 0.2 s; going down by 15 units/s takes twice
+  // √(15/1000) s.
   const ExactPath back =
       fastest_change({.velocity = 95.0L, .acceleration = 200.0L}, 100.0L,
                      {.velocity = 100.0, .acceleration = 200.0, .deceleration = 200.0}, jerk);
   EXPECT_NEAR(static_cast<double>(back.duration()), 0.2 + 2.0 * std::sqrt(0.015), 1.0e-12);
 
-  // The textbook: 0.7 s and 35 units for each ramp, 30 units at 100 units/s.
+  // The textbook case: 0.7 s and 35 units for each ramp, 30 units at 100 units/s.
   const MotionLimits equal{.velocity = 100.0, .acceleration = 200.0, .deceleration = 200.0};
   EXPECT_NEAR(static_cast<double>(test::fastest_move({}, 100.0L, equal, jerk)), 1.7, 1.0e-12);
   // Four times T with 2·J·T³ = 2 units.
@@ -600,11 +604,12 @@ TEST(JerkProfileProperty, TakesTheTimeOfTheFastestPushAndStop) {
         random.one_in(3) ? c.limits.acceleration : log_uniform(random, 1.0e2, 1.0e5);
     c.jerk.acceleration = log_uniform(random, 1.0e3, 1.0e6);
     c.jerk.deceleration = c.jerk.acceleration;
-    // Also outside of the limits.
+    // Also outside the limits.
     const double highest = std::max(c.limits.acceleration, c.limits.deceleration);
     c.start.velocity = signed_unit(random) * c.limits.velocity * (random.one_in(4) ? 2.0 : 1.0);
     c.start.acceleration = signed_unit(random) * highest * (random.one_in(4) ? 2.0 : 1.0);
-    // Not nearer: where δ is left the time goes with its cube root, and rest is rounded.
+    // Not closer: near the stop, a remaining δ counts with its cube root, and the position of rest
+    // is rounded.
     const ExactState start = exact_start(c);
     const ExactPath stop = fastest_change(start, 0.0L, c.limits, c.jerk);
     const double beyond = (random.one_in(2) ? 1.0 : -1.0) * log_uniform(random, 1.0e-2, 1.0e5);
@@ -616,14 +621,14 @@ TEST(JerkProfileProperty, TakesTheTimeOfTheFastestPushAndStop) {
   }
 }
 
-/// How a detour begins: for some time towards some velocity, which keeps the limits.
+/// The beginning of a detour: for some time towards some velocity, within the limits.
 MotionSample after_a_detour(const JerkCase& c, const MotionSample& start, double time,
                             Random& random) {
   const double velocity = signed_unit(random) * (random.one_in(2) ? 1.0 : 2.0);
   return plan_jerk_velocity(start, velocity * c.limits.velocity, c.limits, c.jerk).at(time);
 }
 
-/// The same towards a velocity that lies ahead in `direction`: the acceleration stays >= 0 in it.
+/// The same towards a velocity ahead in `direction`: the acceleration in it stays >= 0.
 MotionSample after_a_hesitation(const JerkCase& c, const MotionSample& start, double direction,
                                 double time, Random& random) {
   const double settled = settled_speed(start, c.jerk, direction);
@@ -631,7 +636,8 @@ MotionSample after_a_hesitation(const JerkCase& c, const MotionSample& start, do
   return plan_jerk_velocity(start, direction * velocity, c.limits, c.jerk).at(time);
 }
 
-/// What rounding may cost: a target that it moved by δ costs a detour of about (δ/J)^(1/3).
+/// The time that rounding may cost: a target that it moved by δ costs a detour of about
+/// (δ/J)^(1/3).
 double rounding_of_time(const JerkCase& c, const JerkProfile& direct) {
   const JerkTolerance slack = tolerance_of_plan(c, direct);
   const double jerk = std::min(c.jerk.acceleration, c.jerk.deceleration);
@@ -639,7 +645,7 @@ double rounding_of_time(const JerkCase& c, const JerkProfile& direct) {
          16.0 * std::sqrt(64.0 * slack.velocity / jerk) + 1.0e-9 * direct.duration();
 }
 
-/// Calls `turn` with the time of a detour once or twice. @return the sum of the times.
+/// Calls `turn` once or twice with the time of a detour. @return the sum of the times.
 template <typename Turn>
 double take_turns(const JerkProfile& direct, Random& random, Turn turn) {
   double spent = 0.0;
@@ -652,8 +658,8 @@ double take_turns(const JerkProfile& direct, Random& random, Turn turn) {
   return spent;
 }
 
-// Whatever an axis does first, within its limits: the fastest motion from there is not earlier at
-// the target. This holds for different ramps, too, and for starts outside of the limits.
+// Whatever an axis does first within its limits, the fastest motion from there does not reach the
+// target earlier. This also holds for different ramps, and for starts outside the limits.
 TEST(JerkProfileProperty, IsNotSlowerThanADetour) {
   const auto cases = number_if_optimised<std::uint64_t>(
       {.usual = 50'000, .full = 500'000, .nightly = 20'000'000}, 3'000);
@@ -672,8 +678,8 @@ TEST(JerkProfileProperty, IsNotSlowerThanADetour) {
 }
 
 /// @return whether the motion can keep all limits from here on: its acceleration is within its
-///         bounds, also where it cannot be less at v = 0, and does not force it over V.
-/// @param side of v = 0 on which it is, 1 or -1
+///         bounds, even where it cannot be reduced before v = 0, and does not force it over V.
+/// @param side of v = 0 on which the state is, 1 or -1
 bool can_keep_its_limits(const JerkCase& c, const MotionSample& state, double side) {
   const double along = side * state.acceleration;
   const double steady = std::min(c.limits.acceleration, c.limits.deceleration);
@@ -698,7 +704,7 @@ bool keeps_its_limits(const JerkCase& c, const JerkSegment& segment, double time
   return true;
 }
 
-// Sequences of {+J, 0, -J} with any durations before a plan: none of them is earlier at the target.
+// Sequences of {+J, 0, -J} of any durations before a plan: none of them reaches the target earlier.
 TEST(JerkProfileProperty, IsNotSlowerThanAnySequenceOfJerksBefore) {
   const auto cases = number_if_optimised<std::uint64_t>(
       {.usual = 50'000, .full = 500'000, .nightly = 20'000'000}, 3'000);
@@ -735,10 +741,10 @@ TEST(JerkProfileProperty, IsNotSlowerThanAnySequenceOfJerksBefore) {
   EXPECT_GE(jerks, cases);
 }
 
-// With different jerks this holds for motions that never go backward. Others may be earlier: from
-// rest, 1 unit/s² takes 1 s to build up with 1 unit/s³. Where speeds are taken back with 100
-// units/s³, 0.2 s of moving backward (0.1 s down to -0.1 units/s² and as long back to 0: -0.01
-// units/s) and √(2·0.01/100) s end at rest with √(2·100·0.01) = 1.41 units/s².
+// With different jerks this holds only for motions that never go backwards. Others may be earlier:
+// from rest, building up 1 unit/s² takes 1 s with 1 unit/s³. If speeds are reduced with 100
+// units/s³, moving backwards for 0.2 s (0.1 s down to -0.1 units/s² and as long back to 0: -0.01
+// units/s) and braking for √(2·0.01/100) s ends at rest with √(2·100·0.01) = 1.41 units/s².
 TEST(JerkProfileProperty, IsNotSlowerThanAHesitationWithTwoJerks) {
   const auto cases = number_if_optimised<std::uint64_t>(
       {.usual = 50'000, .full = 500'000, .nightly = 20'000'000}, 3'000);
@@ -761,7 +767,7 @@ TEST(JerkProfileProperty, IsNotSlowerThanAHesitationWithTwoJerks) {
     const double spent = take_turns(direct, random, [&](double time) {
       rest.start = after_a_hesitation(c, rest.start, direction, time, random);
     });
-    if (direction_of(rest) != direction) continue;  // too far: it comes back to the target
+    if (direction_of(rest) != direction) continue;  // too far: the motion comes back to the target
     ++compared;
     ASSERT_GE(spent + plan_of(rest).duration(), direct.duration() - rounding_of_time(c, direct))
         << c << rest;

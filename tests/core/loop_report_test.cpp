@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The servo loops around loads behind gears and shafts: the report, and that the axis
-// does it.
+// The servo loops with loads behind gears and shafts: the report, and the behaviour of the axis.
 #include "vdrive/plant/loop_report.hpp"
 
 #include "core/support/axis_under_test.hpp"
@@ -28,7 +27,7 @@ AxisConfiguration geared(std::int64_t numerator, std::int64_t denominator) {
   return configuration;
 }
 
-/// A lift: 0.1 kg.m2 behind a gear that reduces ten to one, on a shaft of 2000 N.m/rad.
+/// A lift: 0.1 kg.m2 behind a ten-to-one reduction gear, on a shaft of 2000 N.m/rad.
 AxisConfiguration lift() {
   AxisConfiguration configuration = geared(1, 10);
   configuration.model.coupling = Coupling::two_inertia;
@@ -52,8 +51,8 @@ TEST(LoopReport, OfTheDefaultAxisHasTheConfiguredBandwidthsAndNoRinging) {
 }
 
 TEST(LoopReport, HasTheReflectedInertiaOfTheGear) {
-  // 3e-4 kg.m2 at the load: a hundredth of it behind a reducing gear, a hundred times the other
-  // way.
+  // 3e-4 kg.m2 at the load: a hundredth of it behind a reduction gear, a hundred times as much the
+  // other way.
   EXPECT_NEAR(examine_loops(geared(1, 10), kLoopPeriod).inertia_ratio, 1.01, 1e-9);
   EXPECT_NEAR(examine_loops(geared(10, 1), kLoopPeriod).inertia_ratio, 101.0, 1e-9);
   // The motor turns ten times as fast as the load: 2000π rad/s² on 3.03e-4 kg.m2.
@@ -67,8 +66,8 @@ TEST(LoopReport, ShowsTheReducedBandwidthsOfAHeavyElasticLoad) {
   const LoopReport report = examine_loops(configuration, kLoopPeriod);
   // sqrt(2000 / 3e-4) = 2582 rad/s.
   EXPECT_NEAR(report.load_resonance, 410.9, 0.1);
-  // Against the motor alone the loop is as fast as the current loop of 1000 Hz; with 101 times its
-  // inertia 9.9 Hz are left, and half of them for the position loop.
+  // With the motor alone the loop is as fast as the current loop of 1000 Hz; with 101 times the
+  // motor's inertia 9.9 Hz remain, and half of that for the position loop.
   EXPECT_NEAR(report.velocity_bandwidth, 1'000.0 / 101.0, 1e-6);
   EXPECT_NEAR(report.position_bandwidth, 500.0 / 101.0, 1e-6);
 }
@@ -87,16 +86,16 @@ TEST(LoopReport, FindsTheRingingOfALightlyDampedLoad) {
 
 TEST(Loops, OfALiftHaveTheBandwidthOfItsShaft) {
   const LoopReport report = examine_loops(lift(), kLoopPeriod);
-  // The damper of the velocity loop is matched to the spring: r² sqrt(k J) / Jm = 0.01 · 14.14 /
-  // 3e-4 = 471 1/s, over 4.33 times the motor's inertia 17.3 Hz; the position loop in
-  // proportion 2.8 Hz.
+  // The damping of the velocity loop is matched to the spring: r² sqrt(k J) / Jm = 0.01 · 14.14 /
+  // 3e-4 = 471 1/s, which is 17.3 Hz with 4.33 times the motor's inertia; the position loop is
+  // reduced in proportion to 2.8 Hz.
   EXPECT_NEAR(report.velocity_bandwidth, 17.3, 0.1);
   EXPECT_NEAR(report.position_bandwidth, 2.77, 0.01);
   EXPECT_LT(report.ringing_time, 0.1);
 }
 
-// With the configured 100 Hz and 16 Hz the load encoder's loop excites the load at 24 Hz: a second
-// later the axis still swings by 38 UU.
+// With the configured 100 Hz and 16 Hz the loop of the load encoder excites the load at 24 Hz: a
+// second later the axis still swings by 38 UU.
 TEST(Loops, HoldALiftBehindAReducingGearWithoutRinging) {
   AxisUnderTest axis(lift());
   axis.enable();
@@ -111,10 +110,10 @@ TEST(Loops, HoldALiftBehindAReducingGearWithoutRinging) {
     opposite = std::min(opposite, axis.actual());
   }
   EXPECT_EQ(axis.state(), PowerState::operation_enabled);
-  // A load of 0.1 kg.m2 and the loops of the test above: 7.3 UU, by an integration of the linear
-  // model.
+  // A load of 0.1 kg.m2 and the loops of the previous test: 7.3 UU, from an integration of the
+  // linear model.
   EXPECT_NEAR(first, 7, 2);
-  // A damping of 0.6 swings back by exp(-0.6 π / 0.8) = 9.5 %: less than a unit.
+  // With a damping of 0.6 it swings back by exp(-0.6 π / 0.8) = 9.5 %, which is less than a unit.
   EXPECT_GE(opposite, -1);
   EXPECT_LE(std::abs(axis.actual()), 1) << "it is at rest after a second";
 }

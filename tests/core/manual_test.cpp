@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Statements of the manual that no other test of the core shows: docs/reference/conformance.md
-// names them. Numbers are the manual's or follow from its formulas.
+// Statements of the manual that no other test of the core covers; docs/reference/conformance.md
+// lists them. Numbers are the manual's or follow from its formulas.
 #include "core/support/axis_under_test.hpp"
 
 #include <gtest/gtest.h>
@@ -29,13 +29,13 @@ void set_profile(AxisUnderTest& axis, std::int64_t velocity, std::int64_t accele
   axis.write("profile_dec", deceleration);
 }
 
-/// Until bit 10; fails the test when it does not come.
+/// Runs until bit 10 is set; fails the test if it is not.
 void run_to_target(AxisUnderTest& axis, std::uint64_t deadline = 30'000) {
   EXPECT_NE(axis.step_until_reached(deadline), 0U) << "bit 10 did not come";
 }
 
-/// Brings a fresh axis into `state`; the stops of Quick stop active and Fault reaction active take
-/// a second, so that the axis is still in them.
+/// Brings a fresh axis into `state`. The stops of Quick stop active and Fault reaction active take
+/// a second, so that the axis is still in these states.
 void bring_to(AxisUnderTest& axis, PowerState state) {
   if (state == not_ready_to_switch_on) {
     axis.axis().power_cycle();
@@ -88,7 +88,7 @@ TEST(Manual, EveryWritableObjectAcceptsAWriteInEveryState) {
 // ---- controlword
 // ------------------------------------------------------------------------------------
 
-/// Statusword and demand of each tick of a whole run, with `extra` set in every controlword.
+/// Statusword and demand of each tick of a complete run, with `extra` set in every controlword.
 std::vector<std::tuple<std::uint16_t, std::int32_t>> life_with(std::uint16_t extra) {
   AxisUnderTest axis;
   axis.write("op_mode_cmd", 1);
@@ -106,7 +106,7 @@ std::vector<std::tuple<std::uint16_t, std::int32_t>> life_with(std::uint16_t ext
 }
 
 TEST(Manual, ReservedAndVendorBitsOfTheControlwordChangeNothing) {
-  // Bits 9 and 10 are reserved, 11 to 15 the vendor's.
+  // Bits 9 and 10 are reserved, 11 to 15 are vendor-specific.
   const auto plain = life_with(0);
   for (int bit = 9; bit <= 15; ++bit) {
     EXPECT_EQ(life_with(static_cast<std::uint16_t>(1U << bit)), plain) << "bit " << bit;
@@ -131,7 +131,8 @@ TEST(Manual, EnablingFromSwitchOnDisabledCanBeTurnedOff) {
 // -------------------------------------------------------------------------------------------
 
 TEST(Manual, TheModeChangesAt1637AndBit12IsLowOnReentry) {
-  // 0x1637 is at rest though CW bit 4 is still 1; entering the mode is no edge of bit 4.
+  // 0x1637 is shown at rest although bit 4 of the controlword is still 1; entering the mode is not
+  // an edge of bit 4.
   AxisUnderTest axis;
   axis.enable();
   axis.write("position_user_target_value", 1'000);
@@ -154,7 +155,7 @@ TEST(Manual, TheModeChangesAt1637AndBit12IsLowOnReentry) {
 // ---------------------------------------------------------------------------
 
 TEST(Manual, TheMotorIsEnabledInOperationEnabledAndQuickStopActiveOnly) {
-  // Table of 3005h. Fault reaction active is not in it: the motor brakes, so it is enabled.
+  // Table of 3005h. It does not list Fault reaction active: the motor brakes, so it is enabled.
   for (const PowerState state : kStates) {
     AxisUnderTest axis;
     ASSERT_NO_FATAL_FAILURE(bring_to(axis, state));
@@ -183,7 +184,7 @@ TEST(Manual, EveryStateShowsVoltageAndRemoteAndNoReservedBit) {
 // ------------------------------------------------------------------------------------------
 
 TEST(Manual, AnAbsoluteTargetIsApproachedFromWhicheverSideTheAxisStands) {
-  // 6064h above 607Ah: negative; below: positive. For any signs of the two.
+  // 6064h above 607Ah: negative; below: positive. Whatever the signs of the two.
   for (const auto& [from, to] :
        {std::tuple{-3'000, -1'000}, std::tuple{-3'000, 2'000}, std::tuple{3'000, 1'000},
         std::tuple{3'000, -2'000}, std::tuple{-1'000, -3'000}, std::tuple{1'000, 3'000}}) {
@@ -228,7 +229,7 @@ TEST(Manual, ThePositioningOptionCodeMattersToRelativeMovesOnly) {
     axis.enable();
     axis.write("position_user_target_value", 20'000);
     axis.command(0x003F);
-    axis.step(100);  // on the way, so that target, demand and actual position differ
+    axis.step(100);  // during the move, so that target, demand and actual position differ
     ASSERT_NE(axis.demand(), 20'000);
     axis.write("position_user_target_value", 7'000);
     axis.command(0x000F);
@@ -277,13 +278,13 @@ TEST(Manual, TheActualSpeedDoesNotExceedTheProfileVelocity) {
     AxisUnderTest axis;
     const std::int32_t highest = top_speed(axis, velocity);
     EXPECT_GT(highest, velocity * 99 / 100) << velocity;
-    // 1 %: the loops swing in at the end of the ramp.
+    // 1 %: the loops overshoot at the end of the ramp.
     EXPECT_LE(highest, velocity * 101 / 100) << velocity;
   }
 }
 
 TEST(Manual, TheSpeedLimitBoundsTheActualSpeed) {
-  // 6081h = 200000 > 607Fh: the axis runs at 607Fh and 6081h stays.
+  // 6081h = 200000 > 607Fh: the axis runs at 607Fh and 6081h keeps its value.
   for (const std::int64_t limit : {136'533, 50'000}) {
     AxisUnderTest axis;
     axis.write("app_speed_limit", limit);
@@ -366,8 +367,8 @@ TEST(Manual, ADecelerationLimitOf0CountsAs1) {
 }
 
 TEST(Manual, TheExampleRunsWithTheDefaultRamps) {
-  // Rows 5 and 6: "the default value will do". 10000 at 1000/s and 409600/s²:
-  // 10 s + 1000/409600 = 10.00244 s, tick 10003.
+  // Rows 5 and 6: "the default value will do". 10000 at 1000/s and 409600/s²: 10 s + 1000/409600 =
+  // 10.00244 s, tick 10003.
   AxisUnderTest axis;
   axis.enable();
   axis.write("profile_velocity", 1'000);
@@ -406,7 +407,7 @@ TEST(Manual, TheCurrentStaysBetweenBothTorqueLimits) {
   axis.enable();
   std::int32_t lowest = 0;
   std::int32_t highest = 0;
-  for (const std::int64_t load : {-3'000, 3'000}) {  // mN.m, rated 3000: against it 1000 per mille
+  for (const std::int64_t load : {-3'000, 3'000}) {  // mN.m; rated 3000, so 1000 per mille hold it
     axis.write("test_load_torque", load);
     for (int i = 0; i < 200; ++i) {
       axis.step();
@@ -421,7 +422,7 @@ TEST(Manual, TheCurrentStaysBetweenBothTorqueLimits) {
 }
 
 TEST(Manual, TheTorqueLimitsAreRelativeToTheRatedTorqueOnBothSides) {
-  // The examples of 60E0h and 60E1h: 6076h = 3000 mN.m and 10 %, that is 100 per mille: 300 mN.m.
+  // The examples of 60E0h and 60E1h: 6076h = 3000 mN.m and 10 %, which is 100 per mille: 300 mN.m.
   for (const int sign : {1, -1}) {
     AxisConfiguration configuration;
     configuration.model.viscous_friction = 0.0;
@@ -444,7 +445,7 @@ TEST(Manual, TheTorqueLimitsAreRelativeToTheRatedTorqueOnBothSides) {
 }
 
 TEST(Manual, ATorqueLimitOf0IsOff) {
-  // 0 switches the limit off: the same load is then held at rest with its own torque.
+  // 0 switches the limit off: the same load is then held at rest with the torque that it needs.
   AxisUnderTest axis;
   axis.write("following_error_window", 0xFFFFFFFF);
   axis.enable();
@@ -467,8 +468,8 @@ TEST(Manual, ATorqueLimitOf0IsOff) {
 // ---------------------------------------------------------------------------------
 
 TEST(Manual, EachEncoderHasItsOwnPositionError) {
-  // 3573h = 6062h - 3572h, 3575h = 606Bh - 3574h (encoder 1, motor); 60F4h = 6062h - 6064h,
-  // 351Eh = 606Bh - 606Ch (encoder 2, load): on a soft shaft the two differ.
+  // 3573h = 6062h - 3572h, 3575h = 606Bh - 3574h (encoder 1, motor); 60F4h = 6062h - 6064h, 351Eh =
+  // 606Bh - 606Ch (encoder 2, load): on a soft shaft the two encoders differ.
   AxisConfiguration configuration;
   configuration.model.coupling = Coupling::two_inertia;
   configuration.model.coupling_stiffness = 50.0;
@@ -496,7 +497,7 @@ TEST(Manual, EachEncoderHasItsOwnPositionError) {
 }
 
 TEST(Manual, TheCurrentErrorIsInMilliampere) {
-  // (6074h - 6078h) per mille of 6075h: 8000 mA makes 8 mA of each per mille.
+  // (6074h - 6078h) per mille of 6075h: with 8000 mA each per mille is 8 mA.
   AxisUnderTest axis;
   axis.write("motor_rated_current", 8'000);
   axis.enable();

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// 5E12h: what becomes of an axis whose master leaves set-points out in the modes 7 to 10.
+// 5E12h: the reaction of an axis whose master omits set-points in the modes 7 to 10.
 #include "core/support/axis_under_test.hpp"
 
 #include <gtest/gtest.h>
@@ -14,11 +14,11 @@ namespace {
 using test::AxisUnderTest;
 using enum PowerState;
 
-/// A mode whose set-points come every 10 ms.
+/// A mode that gets a set-point every 10 ms.
 struct StreamedMode {
   std::int64_t mode;
-  const char* object;  // that is streamed
-  std::uint16_t word;  // that lets it be followed
+  const char* object;  // the object that is streamed
+  std::uint16_t word;  // the controlword that lets the axis follow it
 };
 
 constexpr std::array<StreamedMode, 4> kStreamedModes{{
@@ -34,7 +34,7 @@ void enable_streamed(AxisUnderTest& axis, const StreamedMode& row) {
   axis.command(row.word);
 }
 
-/// Five set-points, each 100 further: positions at 10 UU a tick.
+/// Five set-points, each 100 more than the last: positions at 10 UU per tick.
 void stream_five(AxisUnderTest& axis, const StreamedMode& row) {
   for (int sync = 1; sync <= 5; ++sync) {
     axis.write(row.object, 100 * sync);
@@ -64,7 +64,7 @@ TEST(MissingSetPoints, ArePositionsThatTheDriveReplacesByGoingOn) {
     enable_streamed(axis, row);
     stream_five(axis, row);
     ASSERT_EQ(axis.demand(), 500);
-    for (int tick = 1; tick <= 20; ++tick) {  // two times 10 ms
+    for (int tick = 1; tick <= 20; ++tick) {  // twice 10 ms
       axis.step();
       ASSERT_EQ(axis.demand(), 500 + 10 * tick);
       ASSERT_EQ(axis.demand_velocity(), 10'000);
@@ -88,7 +88,7 @@ TEST(MissingSetPoints, ThatAreReplacedAreNoCommandThatIsFollowed) {
   }
 }
 
-// Bit 12 of mode 7 says that bit 4 has its interpolation, not where the demand comes from.
+// Bit 12 of mode 7 shows that bit 4 enables the interpolation, not where the demand comes from.
 TEST(MissingSetPoints, ThatAreReplacedLeaveTheInterpolationActive) {
   AxisUnderTest axis;
   axis.write("missing_set_points_extrapolated", 2);
@@ -101,7 +101,7 @@ TEST(MissingSetPoints, ThatAreReplacedLeaveTheInterpolationActive) {
   }
 }
 
-// The speed of the demand ends with the last one that is replaced: no ramp.
+// The speed of the demand ends with the last replaced set-point, without a ramp.
 TEST(MissingSetPoints, ThatAreReplacedNoLongerStopTheDemandInOneTick) {
   for (const StreamedMode& row : {kStreamedModes[0], kStreamedModes[1]}) {
     SCOPED_TRACE(row.object);
@@ -117,7 +117,7 @@ TEST(MissingSetPoints, ThatAreReplacedNoLongerStopTheDemandInOneTick) {
   }
 }
 
-// The way back from 700 to the 500 that the master still means: 20 a tick.
+// The way back from 700 to 500, which the master still commands: 20 per tick.
 TEST(MissingSetPoints, AreOverWithTheNextOneAlsoOfTheSameValue) {
   AxisUnderTest axis;
   axis.write("missing_set_points_extrapolated", 2);
@@ -164,7 +164,7 @@ TEST(MissingSetPoints, AreNotReplacedBeyondASoftwareLimit) {
 
 TEST(MissingSetPoints, AreNotReplacedBeyondALimitSwitch) {
   AxisUnderTest axis;
-  axis.write("quick_stop_deceleration", 1'000'000);  // 1000 UU/s a tick: 10 ticks, 50 UU
+  axis.write("quick_stop_deceleration", 1'000'000);  // 1000 UU/s per tick: 10 ticks, 50 UU
   axis.write("missing_set_points_extrapolated", 255);
   enable_streamed(axis, kStreamedModes[1]);
   stream_five(axis, kStreamedModes[1]);
@@ -188,8 +188,8 @@ TEST(MissingSetPoints, AreHeldWhereTheyAreVelocitiesOrTorques) {
   }
 }
 
-// The last one was written ten ticks before the first tick below: it is followed by one that is
-// due with this tick and missing, another one ten ticks later, and the third one with the 21st.
+// The last set-point was written ten ticks before the first tick below. The first missing one is
+// due in that tick, the second ten ticks later, the third in the 21st tick.
 TEST(MissingSetPoints, AreFault8700hWhereSoManyInARowDoNotCome) {
   for (const StreamedMode& row : kStreamedModes) {
     for (const std::int64_t extrapolated : {0, 1}) {

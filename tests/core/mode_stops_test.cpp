@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// The table of docs/explanation/decisions.md: with which ramp an axis stops in each mode by each
-// option of 605Ah to 605Eh and at a limit switch, and what bits 10, 12 and 13 show meanwhile. Each
-// cell.
+// Every cell of the table in docs/explanation/decisions.md: the ramp with which an axis stops in
+// each mode, for each option of 605Ah to 605Eh and at a limit switch, and bits 10, 12 and 13 during
+// the stop.
 #include "core/support/axis_under_test.hpp"
 
 #include <gtest/gtest.h>
@@ -18,12 +18,13 @@ namespace {
 using test::AxisUnderTest;
 using enum PowerState;
 
-// Ramps of the stops [UU/s a tick].
+// Ramps of the stops [UU/s per tick].
 constexpr std::int32_t kBy6084h = 50;
 constexpr std::int32_t kBy609Ah = 80;
 constexpr std::int32_t kBy6085h = 100;
 constexpr std::int32_t kBy60C6h = 200;
-// 6049h and 604Ah in rpm a second: 1125 x 4096 / 60 = 76800 UU/s², 1800 x 4096 / 60 = 122880 UU/s².
+// 6049h and 604Ah in rpm per second: 1125 x 4096 / 60 = 76800 UU/s², 1800 x 4096 / 60 = 122880
+// UU/s².
 constexpr std::int64_t kRpmOf6049h = 1'125;
 constexpr std::int64_t kRpmOf604Ah = 1'800;
 constexpr std::int32_t kBy6049h = 77;
@@ -31,7 +32,7 @@ constexpr std::int32_t kBy604Ah = 123;
 
 /// No stop: the motion goes on.
 constexpr std::int32_t kNoStop = 0;
-/// The torque is taken back with 6087h, no velocity is commanded.
+/// The torque is reduced with 6087h; no velocity is commanded.
 constexpr std::int32_t kTorqueBack = -1;
 
 /// Bits 10 and 12.
@@ -44,7 +45,7 @@ constexpr std::uint16_t kModeBitsOf6041h = 0x3400;
 struct StopRow {
   std::int64_t mode;
   const char* name;
-  const char* object;   // that is written in each tick; none = nullptr
+  const char* object;   // written in each tick; none = nullptr
   std::int32_t normal;  // ramp of option 1
   bool obeys_halt;
   std::uint16_t moving_bits;  // bits 10, 12 and 13 in motion
@@ -67,7 +68,7 @@ constexpr std::array<StopRow, 9> kStopRows{{
     {10, "cyclic_torque", "target_torque", kTorqueBack, true, 0, 0},
 }};
 
-/// @return the ramp of a change of the mode, before which a torque is no stop.
+/// @return the ramp of a mode change; there, reducing the torque does not count as a stop.
 std::int32_t ramp_of_change(const StopRow& row) {
   return row.normal == kTorqueBack ? kBy6084h : row.normal;
 }
@@ -106,7 +107,7 @@ class MovingAxis {
 
   AxisUnderTest& axis() { return axis_; }
 
-  /// Ticks with the stream of the mode.
+  /// Runs ticks with the stream of the mode.
   void run(int ticks) {
     for (int i = 0; i < ticks; ++i) {
       if (row_.object != nullptr) axis_.write(row_.object, next_set_point());
@@ -114,7 +115,7 @@ class MovingAxis {
     }
   }
 
-  /// @return how much slower the demand is with each tick, from the second tick of a stop on.
+  /// @return the loss of the demand's speed per tick, from the second tick of a stop on.
   std::int32_t ramp() {
     run(2);
     const std::int32_t before = axis_.demand_velocity();
@@ -125,7 +126,8 @@ class MovingAxis {
   /// Checks the stop that has been commanded.
   void expect_stop(std::int32_t expected) {
     if (expected == kTorqueBack) {
-      // From the torque that friction needs at the speed limit; 606Bh is 0 without a velocity.
+      // From the torque that friction needs at the speed limit; 606Bh is 0 if no velocity is
+      // commanded.
       run(10);
       EXPECT_EQ(axis_.status().torque_demand, 0);
       EXPECT_EQ(axis_.demand_velocity(), 0);
@@ -134,7 +136,7 @@ class MovingAxis {
     }
   }
 
-  /// Checks that the axis has lost its power in `state`, and its speed not. In a tick friction
+  /// Checks that the axis has lost its power in `state`, but not its speed. In a tick friction
   /// takes (0.05 N.m + 2e-4 N.m.s/rad x 46 rad/s) / 6e-4 kg.m2 = 99 rad/s², which is 64 UU/s.
   void expect_coasting(PowerState state) {
     EXPECT_EQ(axis_.state(), state);
@@ -242,7 +244,7 @@ TEST_P(StopOfMode, DisableOperationHasNoRampWith605ChAt0) {
   coasting.expect_coasting(switched_on);
 }
 
-// The state of a stop shows for a tick also where there is nothing to wait for.
+// The state of a stop is shown for one tick even if there is nothing to wait for.
 TEST_P(StopOfMode, AQuickStopHasNoRampWith605AhAt0) {
   MovingAxis coasting(GetParam());
   coasting.axis().write("quick_stop_option_code", 0);

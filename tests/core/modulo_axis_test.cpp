@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Modulo axes: the position range 607Bh, the ways of 60F2h bits 6 and 7.
+// Modulo axes: the position range 607Bh, the directions of 60F2h bits 6 and 7.
 #include "core/support/axis_under_test.hpp"
 #include "vdrive/axis_bank.hpp"
 
@@ -17,13 +17,13 @@ namespace {
 
 using test::AxisUnderTest;
 
-constexpr std::int64_t kTurn = 4'096;  // span of the table, a revolution
+constexpr std::int64_t kTurn = 4'096;  // range of the table, one revolution
 constexpr std::int64_t kAsLinear = 2;  // 60F2h: bits 0 and 1 are 2, the manual's default
 constexpr std::int64_t kNegative = 2 + 64;
 constexpr std::int64_t kPositive = 2 + 128;
 constexpr std::int64_t kShortest = 2 + 192;
 
-/// A rotary table that shows positions from `lower` to below `lower` + kTurn.
+/// A rotary table that shows positions in [lower, lower + kTurn).
 AxisConfiguration table_at(std::int32_t position, std::int64_t lower = 0) {
   AxisConfiguration configuration;
   configuration.initial_position = position;
@@ -152,7 +152,7 @@ TEST(PositionRange, HasNoStepInTheFollowingErrorOrTheSpeed) {
   axis.command(0x000F);
   axis.write("target_velocity", 100'000);
   axis.step(500);
-  for (int tick = 0; tick < 2'000; ++tick) {  // some 48 turns
+  for (int tick = 0; tick < 2'000; ++tick) {  // about 48 turns
     axis.step();
     ASSERT_NO_FATAL_FAILURE(expect_in_range(axis, 0));
     ASSERT_EQ(axis.demand(), axis.actual());
@@ -341,7 +341,7 @@ TEST(RotaryDirection, IsNothingToARelativeTargetWhoseSignIsItsDirection) {
   }
 }
 
-/// Weak loops lag behind while the axis accelerates: target, demand and actual position differ.
+/// With weak loops the axis lags while it accelerates: target, demand and actual position differ.
 TEST(RotaryDirection, LeavesTheBaseOfARelativeTargetToBits0And1) {
   for (const std::int64_t option : {0, 1, 2}) {
     SCOPED_TRACE(option);
@@ -411,8 +411,8 @@ TEST(RotaryDirection, IsWithoutEffectInSoftwareLimitsWhichNoWayCrosses) {
   EXPECT_TRUE(axis.limit_active());
 }
 
-/// On the way from 0 to 4000 with 409600 UU/s², behind 1500: the axis would rest at some 3150 at
-/// the earliest.
+/// Past 1500 on a move from 0 to 4000 with 409600 UU/s²: the axis could come to rest at about 3150
+/// at the earliest.
 class RotaryRetarget : public testing::Test {
  protected:
   RotaryRetarget() {
@@ -425,11 +425,11 @@ class RotaryRetarget : public testing::Test {
       axis_.step();
       way_.note();
     }
-    // v² = 2 x 409600 x 1500, and a tick more; as far again is needed to stop.
+    // v² = 2 x 409600 x 1500, and a tick more; the same distance again is needed to stop.
     EXPECT_NEAR(axis_.demand_velocity(), 35'054, 500);
   }
 
-  /// @return the whole way from the start.
+  /// @return the total distance from the start.
   std::int64_t way_over(std::int64_t target, std::int64_t option) {
     axis_.write("positioning_option_code", option);
     axis_.write("position_user_target_value", target);
@@ -470,7 +470,7 @@ TEST_F(RotaryRetarget, NegativeBrakesAndTurnsBack) {
 }
 
 TEST_F(RotaryRetarget, ShortestIsJudgedFromThePlaceOfRest) {
-  // From some 3150 to 700: 2450 back, 1646 forward.
+  // From about 3150 to 700: 2450 back, 1646 forward.
   EXPECT_EQ(way_over(700, kShortest), 700 + kTurn);
   EXPECT_FALSE(turned_back());
 }
@@ -490,7 +490,7 @@ TEST(ModuloAxis, StreamsRoundTheEndOfItsRange) {
     ASSERT_EQ(axis.demand_velocity(), 3'000);
     ASSERT_NE(axis.statusword() & 0x1000, 0) << "follows the command";
   }
-  axis.write("position_user_target_value", 4'080 + 63);  // outside: the same place as 47
+  axis.write("position_user_target_value", 4'080 + 63);  // outside the range: the same place as 47
   axis.step();
   EXPECT_EQ(axis.demand(), 47);
   EXPECT_EQ(axis.demand_velocity(), 3'000);

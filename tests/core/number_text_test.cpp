@@ -49,7 +49,7 @@ TEST(ParseInteger, ReadsAnExponentAndADecimalPointWhereTheNumberIsWhole) {
 TEST(ParseInteger, IsExactUpToTheEndsOf64Bits) {
   EXPECT_EQ(parse_integer("9223372036854775807"), std::numeric_limits<std::int64_t>::max());
   EXPECT_EQ(parse_integer("-9223372036854775808"), std::numeric_limits<std::int64_t>::min());
-  EXPECT_EQ(parse_integer("9007199254740993e0"), 9'007'199'254'740'993);  // no double holds it
+  EXPECT_EQ(parse_integer("9007199254740993e0"), 9'007'199'254'740'993);  // no double represents it
   EXPECT_EQ(parse_integer("0x7FFFFFFFFFFFFFFF"), std::numeric_limits<std::int64_t>::max());
   for (const char* const text :
        {"9223372036854775808", "-9223372036854775809", "1e19", "18446744073709551616",

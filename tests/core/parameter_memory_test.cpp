@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// What an axis keeps over a power cycle, and what it does when its memory fails: 1010h, 1011h,
-// 5530h.
+// The parameters that an axis keeps over a power cycle, and its reaction when its memory fails:
+// 1010h, 1011h, 5530h.
 #include "core/support/axis_under_test.hpp"
 #include "vdrive/axis_bank.hpp"
 
@@ -27,7 +27,7 @@ constexpr ObjectAddress kLowerLimit{0x607D, 1};
 constexpr ObjectAddress kGearNumerator{0x3576, 0};
 constexpr ObjectAddress kTarget{0x607A, 0};
 constexpr ObjectAddress kMode{0x6060, 0};
-constexpr std::int64_t kSave = 0x65766173;  // CiA 301: "s", "a", "v", "e", least byte first
+constexpr std::int64_t kSave = 0x65766173;  // CiA 301: "s", "a", "v", "e", lowest byte first
 constexpr std::int64_t kLoad = 0x64616F6C;
 
 AxisBank bank_of(const std::vector<AxisConfiguration>& axes) {
@@ -126,7 +126,7 @@ TEST(ParameterMemory, AcceptsStoredObjectsWithinTheirRange) {
   EXPECT_THROW(bank_of({bad}), std::invalid_argument);
 }
 
-/// @return another value than the default, where the object takes one.
+/// @return a value other than the default, if the object accepts one.
 std::int64_t other_value(const ObjectDescription& object) {
   switch (object.address.index) {
     case 0x6086:  // 0 and 3
@@ -135,7 +135,7 @@ std::int64_t other_value(const ObjectDescription& object) {
       return 17;
     case 0x60C0:  // the only value
       return object.default_value;
-    case 0x60C4:  // :03 and :05 have one value only
+    case 0x60C4:  // :03 and :05 accept one value only
       if (object.address.subindex == 3 || object.address.subindex == 5) return object.default_value;
       break;
     default:

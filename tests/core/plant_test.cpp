@@ -31,7 +31,7 @@ AxisConfiguration frictionless() {
   return configuration;
 }
 
-/// Enabled, with a distant target and the steepest ramps: the torque limit decides.
+/// Enabled, with a distant target and the steepest ramps, so that the torque limit decides.
 void saturate(AxisUnderTest& axis, int sign) {
   axis.write("following_error_window", 0xFFFFFFFF);
   axis.write("profile_velocity", 136'533);
@@ -93,11 +93,11 @@ TEST(Plant, CoastingDecaysExponentiallyUnderViscousFriction) {
   const double start = axis.actual();
   for (int tick = 1; tick <= 1'500; ++tick) {
     axis.step();
-    // The speed over a tick lags half a tick behind both at start and here.
+    // 606Ch is the speed over a tick, half a tick late both at the start and here.
     const double decay = std::exp(-tick * 1.0e-3 / 0.3);
     ASSERT_NEAR(axis.velocity(), start_speed * decay, 2.0 + 1.0e-4 * start_speed) << tick;
   }
-  // From start with speed v at half a tick before: distance v·τ(1 - e^(-t/τ)).
+  // From the start, with speed v half a tick earlier: distance v·τ(1 - e^(-t/τ)).
   const double travelled = start_speed * std::exp(-0.5e-3 / 0.3) * 0.3 * (1.0 - std::exp(-5.0));
   EXPECT_NEAR(axis.actual() - start, travelled, 3.0);
 }
@@ -120,7 +120,7 @@ TEST(Plant, CoulombFrictionStopsACoastingAxisInFiniteTimeWithoutCreep) {
     EXPECT_NEAR(std::abs(axis.velocity()), speed * 0.5, 100.0) << "a straight line";
     axis.step(static_cast<std::uint64_t>(speed / deceleration * 1'000.0 * 0.5) + 3);
     EXPECT_EQ(axis.velocity(), 0);
-    // v²/(2a), the first tick from half a tick before its end.
+    // v²/(2a); the first tick counts from half a tick before its end.
     EXPECT_NEAR(axis.actual() * sign - start, speed * speed / (2.0 * deceleration), 60.0);
     const std::int32_t rest = axis.actual();
     axis.step(5'000);
@@ -159,7 +159,7 @@ TEST(Plant, TorqueLimitsHoldForEachSignSeparately) {
         highest = std::max<std::int64_t>(highest, axis.status().current_actual_value * sign);
       }
       EXPECT_EQ(highest, limit) << "6078h within 60E0h/60E1h [‰]";
-      // The other side is free up to 6072h = 300 %.
+      // The other side is limited only by 6072h = 300 %.
       axis.write("position_user_target_value", sign * -2'000'000'000);
       axis.command(0x000F);
       axis.command(0x003F);
@@ -228,8 +228,8 @@ double twist_of(const AxisUnderTest& axis) {
 
 TEST(Plant, TheFreeTwoInertiaSystemRingsAtItsResonanceWithoutLosingEnergy) {
   AxisUnderTest axis(elastic(2.0));
-  // ω² = k (1/Jm + 1/Jl) = 2·2/3e-4: 115.47 rad/s, 18.378 Hz. A constant torque T on the load rings
-  // around the twist T/(2k) = 0.25 rad = 163 units with that amplitude.
+  // ω² = k (1/Jm + 1/Jl) = 2·2/3e-4: 115.47 rad/s, 18.378 Hz. With a constant torque T on the load
+  // the twist oscillates around T/(2k) = 0.25 rad = 163 units with that amplitude.
   const double omega = std::sqrt(2.0 * 2.0 / 3.0e-4);
   const double mean = 0.25 * kUnitsPerRadian;
   axis.write("test_load_torque", 1'000);
@@ -254,7 +254,7 @@ TEST(Plant, DampingOfTheShaftDecaysTheRingingAtItsRate) {
     }
   }
   const double mean = 0.25 * kUnitsPerRadian;
-  // The period of 54.4 ms puts a peak between 0.945 and 1 s.
+  // With a period of 54.4 ms there is a peak between 0.945 and 1 s.
   const double latest = mean * (1.0 + std::exp(-3.333 * 1.0));
   const double earliest = mean * (1.0 + std::exp(-3.333 * 0.94));
   EXPECT_GE(last_peak, latest - 1.5);
@@ -343,7 +343,7 @@ TEST(Plant, TheLoadTurnsWithTheMotorTimesNumeratorOverDenominator) {
       const AxisStatus& s = axis.status();
       ASSERT_NEAR(s.load_position_actual_value, s.motor_position_actual_value * ratio,
                   0.5 + 0.5 * ratio);
-      // Both speeds are differences of one encoder count at the least: 0.49 units/s.
+      // Both speeds are differences of at least one encoder count: 0.49 units/s.
       ASSERT_NEAR(s.load_velocity_actual_value, s.motor_velocity_actual_value * ratio,
                   1.0 + 1.0 * ratio);
     }
@@ -472,7 +472,7 @@ TEST(Plant, TheDefaultAxisFollowsTheManualsExampleWithinTwoUnitsAndSettlesToTheU
   }
 }
 
-/// Highest torque demand that the loops give while nothing moves.
+/// Highest torque demand of the loops while nothing moves.
 std::int64_t torque_at_rest(AxisUnderTest& axis) {
   std::int64_t highest = 0;
   for (int i = 0; i < 1'000; ++i) {
@@ -499,7 +499,7 @@ void expect_stable(Coupling coupling, double inertia_ratio) {
     axis.command(0x003F);
     axis.step_for(microseconds{3'000'000});
     EXPECT_EQ(axis.actual(), 20'000);
-    // Coulomb friction of 0.05 N.m is 17 ‰ of 3 N.m: at rest no more is needed.
+    // Coulomb friction of 0.05 N.m is 17 ‰ of 3 N.m; no more is needed at rest.
     EXPECT_LE(torque_at_rest(axis), 40);
   }
 }
@@ -542,7 +542,7 @@ TEST(Plant, TheLargestLoadTorqueLeavesASpeedFromWhichTheAxisComesToRest) {
     axis.write("test_load_torque", 0x7FFFFFFF);
     axis.step(1'000);
     axis.write("test_load_torque", 0);
-    axis.step(100);  // a shaft swings out
+    axis.step(100);  // until a shaft has stopped swinging
     EXPECT_LE(std::abs(axis.velocity()), 68'266'667);
     EXPECT_GT(axis.step_until(
                   [&axis] {
@@ -587,7 +587,8 @@ TEST(Plant, CoulombStopsConvergeWithTheSubStep) {
 // ---- the model by itself, at any sub-step
 // -----------------------------------------------------------
 
-/// One free axis of the servo kernel, without power: its exact state, stepped by any sub-step.
+/// One free axis of the servo kernel, without power: its exact state, advanced in sub-steps of any
+/// length.
 class FreeAxis {
  public:
   FreeAxis(const AxisModel& model, const Gear& gear, double substep)
@@ -608,10 +609,10 @@ class FreeAxis {
     state_.load_velocity[0] = load * kUnitsPerRadian;
   }
 
-  /// Load position [rad], the motor at 0: twists the shaft.
+  /// Load position [rad] with the motor at 0: twists the shaft.
   void set_load_position(double position) { state_.load_position[0] = position * kUnitsPerRadian; }
 
-  /// At the load shaft [N.m].
+  /// Torque at the load shaft [N.m].
   void set_load_torque(double torque) {
     state_.load_torque[0] = torque * load_torque_factor(model_, gear_);
   }
@@ -629,7 +630,7 @@ class FreeAxis {
     for (std::uint64_t i = 0; i < steps; ++i) step();
   }
 
-  /// [rad] and [rad/s].
+  /// [rad], and [rad/s] below.
   [[nodiscard]] double position() const { return state_.position[0] / kUnitsPerRadian; }
 
   [[nodiscard]] double velocity() const { return state_.velocity[0] / kUnitsPerRadian; }
@@ -650,7 +651,7 @@ class FreeAxis {
   }
 
  private:
-  /// Without power, with play: the general step.
+  /// Without power, with backlash: the general step.
   template <typename Parameters>
   void step(const Parameters& parameters) {
     const ServoBlock<Parameters> block{&parameters, &demand_, &state_};
@@ -677,7 +678,7 @@ TEST(PlantModel, AnUndampedTwoInertiaSystemKeepsItsEnergyWithoutInput) {
     axis.set_load_torque(0.0);
     const double energy = axis.energy();
     ASSERT_GT(energy, 1.0e-3);
-    // 4 s: at 18.4 Hz (gear 1:1) 73 periods, each sub-step checked.
+    // 4 s: 73 periods at 18.4 Hz (gear 1:1); each sub-step is checked.
     for (int i = 0; i < 32'000; ++i) {
       axis.step();
       ASSERT_NEAR(axis.energy(), energy, 1.0e-9 * energy) << "sub-step " << i;
@@ -687,7 +688,7 @@ TEST(PlantModel, AnUndampedTwoInertiaSystemKeepsItsEnergyWithoutInput) {
 
 TEST(PlantModel, AReleasedTwistedShaftExchangesEnergyBetweenTwistAndSpeed) {
   // ω = sqrt(k (1/Jm + 1/Jl)) = 115.47 rad/s: after a quarter of a period the shaft is straight,
-  // and all of ½ k φ² = 0.01 J is in the speeds: J v² = 0.01, v = 5.7735 rad/s on each side.
+  // and all of ½ k φ² = 0.01 J is kinetic energy: J v² = 0.01, v = 5.7735 rad/s on each side.
   const double omega = std::sqrt(2.0 * 2.0 / 3.0e-4);
   const double quarter = 0.5 * std::numbers::pi / omega;
   FreeAxis axis(elastic(2.0).model, {}, quarter / 100.0);
@@ -703,11 +704,11 @@ TEST(PlantModel, FrictionAndDampingNeverAddEnergy) {
     const char* name;
     double AxisModel::*parameter;
     double value;
-    double slack;  // [J] a sub-step
+    double slack;  // [J] per sub-step
   };
 
-  // In the sub-step of a Coulomb stop the inertia travels up to ah²/8 too far (below), against a
-  // shaft torque of at most sqrt(2kE) = 1 N.m, which also bounds a: (1 + 0.01)/3e-4 rad/s².
+  // In the sub-step of a Coulomb stop the inertia travels up to ah²/8 too far (see below), against
+  // a shaft torque of at most sqrt(2kE) = 1 N.m, which also bounds a: (1 + 0.01)/3e-4 rad/s².
   const double stop = 1.0 * (1.01 / 3.0e-4) * kServoCycle * kServoCycle / 8.0;
   for (const Row& row : {Row{"shaft damping", &AxisModel::coupling_damping, 1.0e-3, 0.0},
                          Row{"motor viscous", &AxisModel::viscous_friction, 1.0e-3, 0.0},
@@ -733,7 +734,7 @@ TEST(PlantModel, FrictionAndDampingNeverAddEnergy) {
 
 TEST(PlantModel, LinearMotionDoesNotDependOnTheSubStep) {
   // Constant load torque on damped inertias, 0.1 s in 10 to 12800 sub-steps. The discretisation is
-  // exact for inputs that are held: what is left is rounding.
+  // exact for inputs that are held, so only rounding remains.
   AxisModel rigid = frictionless().model;
   rigid.viscous_friction = 2.0e-3;
   AxisModel soft = elastic(2.0).model;
@@ -756,9 +757,9 @@ TEST(PlantModel, LinearMotionDoesNotDependOnTheSubStep) {
 }
 
 TEST(PlantModel, ACoulombStopConvergesWithTheSquareOfTheSubStep) {
-  // Until the stop each sub-step is exact. In the last one the axis comes in with a·θh and would
-  // still travel a(θh)²/2; the kernel lets it travel h/2 times its speed, aθh²/2. The difference
-  // a h² θ(1 - θ)/2 is greatest for θ = 1/2: a h²/8, a quarter for half the sub-step.
+  // Until the stop each sub-step is exact. The axis enters the last one with a·θh and would still
+  // travel a(θh)²/2; the kernel lets it travel h/2 times its speed, aθh²/2. The difference a h² θ(1
+  // - θ)/2 is greatest for θ = 1/2: a h²/8, a quarter of that for half the sub-step.
   AxisModel model = frictionless().model;
   model.coulomb_friction = 0.06;
   const double a = 0.06 / 6.0e-4;  // 100 rad/s²
@@ -773,15 +774,15 @@ TEST(PlantModel, ACoulombStopConvergesWithTheSquareOfTheSubStep) {
   }
 }
 
-/// Largest relative error of the speed with which two equal masses part after meeting through the
-/// play, over eight places of the impact within a sub-step.
+/// Largest relative error of the speed at which two equal masses separate after colliding through
+/// the backlash, over eight instants of the impact within a sub-step.
 double impact_error(double substep) {
   AxisModel model = elastic(2.0).model;
   model.backlash = 0.2;
   double worst = 0.0;
   for (int phase = 0; phase < 8; ++phase) {
     FreeAxis axis(model, {}, substep);
-    constexpr double kSpeed = 10.0;  // the play of 0.1 rad takes 10 ms
+    constexpr double kSpeed = 10.0;  // crossing the backlash of 0.1 rad takes 10 ms
     axis.set_load_position(kSpeed * substep * phase / 8.0);
     axis.set_speeds(kSpeed, 0.0);
     axis.step_for(0.05);  // contact lasts π/ω = 27 ms
@@ -793,9 +794,9 @@ double impact_error(double substep) {
 }
 
 TEST(PlantModel, AnImpactThroughTheBacklashConvergesWithTheSquareOfTheSubStep) {
-  // An elastic impact: equal masses swap their speeds. Contact begins up to a sub-step h late, with
-  // an overlap that was not worked for, and ends up to h late: each puts (ωh)²/2 at most on the
-  // relative speed, one up, one down, ω² = k (1/Jm + 1/Jl).
+  // An elastic impact: equal masses exchange their speeds. Contact begins up to a sub-step h late,
+  // with an overlap for which no work was done, and ends up to h late: each changes the relative
+  // speed by at most (ωh)²/2, one up, one down, ω² = k (1/Jm + 1/Jl).
   const double omega_squared = 2.0 * 2.0 / 3.0e-4;
   double before = 0.0;
   for (const double h : {1.0e-3, 5.0e-4, 2.5e-4, 1.25e-4, 6.25e-5, 3.125e-5}) {
@@ -826,8 +827,8 @@ TEST(PlantModel, EncodersShowTheNearestCount) {
 
 }  // namespace
 
-// Manual, 607Fh: the actual speed of the motor does not exceed the application speed limit. Default
-// 136533 UU/s; 5 % are left to the overshoot of the velocity loop.
+// Manual, 607Fh: the actual speed of the motor does not exceed the application speed limit. The
+// default is 136533 UU/s; 5 % are allowed for the overshoot of the velocity loop.
 TEST(Plant, TheActualSpeedStaysWithinTheSpeedLimitWhenABlockedAxisIsReleased) {
   AxisUnderTest axis;
   axis.write("following_error_window", 0xFFFFFFFF);

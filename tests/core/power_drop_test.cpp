@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// 5E0Bh: the drive falls from Operation enabled to Switched on by itself, without a fault.
+// 5E0Bh: the drive drops from Operation enabled to Switched on without a command and without a
+// fault.
 #include "core/support/axis_under_test.hpp"
 
 #include <gtest/gtest.h>
@@ -14,7 +15,7 @@ using enum PowerState;
 
 constexpr ObjectAddress kPowerDrop{0x5E0B, 0};
 
-/// On a long way at 40000 UU/s, controlword 001Fh.
+/// On a long move at 40000 UU/s, controlword 001Fh.
 void run_enabled(AxisUnderTest& axis) {
   axis.write("profile_velocity", 40'000);
   axis.enable();
@@ -39,7 +40,7 @@ TEST(PowerDrop, LeadsToSwitchedOnWithoutAFaultAndTheAxisCoasts) {
   EXPECT_EQ(axis.read("error_history_count"), 0);
 }
 
-// 605Ch is for the commanded transition 5: a ramp needs the power that has gone.
+// 605Ch applies to the commanded transition 5: a ramp would need the power that is gone.
 TEST(PowerDrop, TakesNoRampWhatever605ChSays) {
   for (const std::int64_t option : {0, 1}) {
     AxisUnderTest axis;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // The power state machine against an independent model: the reaction matrix and the transition
-// table of CiA 402 as data, found by the masks of the command coding. First the machine by
-// itself for every word, then whole axes for every word and every event of a tick.
+// table of CiA 402 as data, looked up by the masks of the command coding. First the machine alone
+// for every word, then complete axes for every word and every event of a tick.
 #include "vdrive/cia402/power_state_machine.hpp"
 
 #include "core/support/axis_under_test.hpp"
@@ -26,7 +26,7 @@ using enum PowerState;
 // ---- the model
 // ------------------------------------------------------------------------------------
 
-/// Everything that decides what a written word does.
+/// Everything that decides the effect of a written word.
 struct Situation {
   PowerState state = switch_on_disabled;
   PowerCommand pending = PowerCommand::none;  // ramp of 605Bh or 605Ch in progress
@@ -118,7 +118,7 @@ Reaction expected_reaction(const Situation& s) {
       (first == 2 && column == kEnable && !s.options.enable_from_switch_on_disabled) ||
       (first == 16 && s.options.quick_stop_option_code < 5) || (first == 15 && s.cause_present);
   if (refused) return stay;
-  // Ramps of 605Bh and 605Ch hold the transition back; the stronger one stays.
+  // Ramps of 605Bh and 605Ch hold the transition back; the stronger one remains.
   if (first == 8 && s.options.shutdown_option_code == 1) {
     return {s.state, PowerCommand::shutdown};
   }
@@ -132,7 +132,7 @@ Reaction expected_reaction(const Situation& s) {
 // ---- the machine by itself
 // ------------------------------------------------------------------------
 
-/// A machine in `state`, by way of its own events.
+/// A machine that its own events have brought into `state`.
 PowerStateMachine machine_in(PowerState state, PowerCommand pending = PowerCommand::none) {
   PowerStateMachine machine;
   const PowerOptions ramps{.shutdown_option_code = 1, .disable_operation_option_code = 1};
@@ -344,7 +344,7 @@ enum class Event { nothing, fault, master_silent, dc_link_lost };
 
 constexpr std::size_t kBankAxes = 256;
 
-/// Powers an axis of the bank into `state`, bit 7 of the controlword as given.
+/// Brings an axis of the bank into `state`, with bit 7 of the controlword as given.
 class StateDriver {
  public:
   StateDriver() : bank_(std::vector<AxisConfiguration>(kBankAxes), std::chrono::milliseconds{1}) {}
@@ -398,7 +398,7 @@ class StateDriver {
       command(0x02);
     } else if (state == fault_reaction_active || state == fault) {
       if (bit7) {
-        command(0x80);  // before the fault, so that it is no edge in Fault
+        command(0x80);  // before the fault, so that it is not an edge in Fault
       }
       write("test_over_current", 1);
       step(1);
@@ -410,7 +410,7 @@ class StateDriver {
   AxisBank bank_;
 };
 
-/// What one tick makes of state, word and event, by the tables above.
+/// @return the state after one tick with this state, word and event, by the tables above.
 PowerState expected_after_tick(PowerState from, const Situation& word, Event event) {
   Situation s = word;
   s.state = from;
@@ -507,7 +507,7 @@ struct OptionObject {
   std::int64_t default_value;
 };
 
-/// The option codes of the walk, in the order of the indices below.
+/// The option codes of the walk; the indices below follow this order.
 constexpr std::array<OptionObject, 6> kOptions{{{"quick_stop_option_code", 0, 8, 2},
                                                 {"shutdown_option_code", 0, 1, 0},
                                                 {"disable_operation_option_code", 0, 1, 1},
@@ -517,7 +517,7 @@ constexpr std::array<OptionObject, 6> kOptions{{{"quick_stop_option_code", 0, 8,
 
 enum Option { k605A, k605B, k605C, k605D, k605E, k6007 };
 
-// Ramps that one tick distinguishes: from the speed they take 400, 800 and 1600 units/s.
+// Ramps that a single tick can tell apart: they reduce the speed by 400, 800 and 1600 units/s.
 constexpr double kNormalRamp = 400'000.0;      // 6084h
 constexpr double kQuickRamp = 800'000.0;       // 6085h
 constexpr double kSteepestRamp = 1'600'000.0;  // 60C6h
@@ -531,20 +531,20 @@ bool controlled(PowerState state) {
   return state == operation_enabled || state == quick_stop_active;
 }
 
-/// The ramp of a stop by its option code: 1 the normal one, 2 the quick one, 3 and 4 the steepest.
+/// The ramp of a stop by its option code: 1 normal, 2 quick, 3 and 4 steepest.
 double ramp_of(std::int64_t option) {
   return option == 1 ? kNormalRamp : (option == 2 ? kQuickRamp : kSteepestRamp);
 }
 
-/// What the walk counts: that each value of each option code met the event that reads it.
+/// Counts of the walk: each value of each option code must meet the event that reads it.
 struct WalkCounts {
-  std::array<std::array<std::uint64_t, 9>, kOptions.size()> event{};    // read, the axis in motion
+  std::array<std::array<std::uint64_t, 9>, kOptions.size()> event{};    // read while the axis moves
   std::array<std::array<std::uint64_t, 9>, kOptions.size()> braking{};  // ticks on its ramp
   std::array<std::uint64_t, 17> transitions{};
 };
 
-/// State, power and pending ramp of an axis by the tables above; of the drive it takes the speeds,
-/// which end the stops.
+/// State, power and pending ramp of an axis by the tables above; it takes only the speeds, which
+/// end the stops, from the drive.
 class WalkModel {
  public:
   explicit WalkModel(WalkCounts& counts) : counts_(counts) { power_up(); }
@@ -603,9 +603,9 @@ class WalkModel {
     }
   }
 
-  /// What happens by itself at the start of a tick. `may_end` and `must_end`: what the speeds of
-  /// the last tick give for a stop; they differ by rounding, and the drive decides by what it
-  /// shows after the tick.
+  /// Automatic transitions at the start of a tick. `may_end` and `must_end` tell, from the speeds
+  /// of the last tick, whether a stop may or must end. They differ by rounding; in between the
+  /// drive decides, as it shows after the tick.
   void begin_tick(bool may_end, bool must_end, PowerState shown, bool shown_power) {
     if (state_ == not_ready_to_switch_on) take(1, switch_on_disabled);
     const bool faulted = shown == fault_reaction_active && (shown_power || !voltage());
@@ -621,17 +621,17 @@ class WalkModel {
     entered_ = false;
   }
 
-  /// After the tick: the speeds, for the next one.
+  /// After the tick: takes over the speeds for the next one.
   void end_tick(double speed, std::int64_t mode) {
     speed_ = speed;
     mode_ = mode;
   }
 
-  /// @return |606Bh| where the tick takes the demand up: of the last one, unless it was put to
-  /// rest.
+  /// @return |606Bh| from which the tick continues: that of the last tick, unless the demand was
+  ///         set to rest.
   [[nodiscard]] double speed() const { return speed_; }
 
-  /// @return the ramp on which the demand must be in this tick, 0 where the walk does not know.
+  /// @return the ramp that the demand must follow in this tick; 0 if the walk does not know it.
   double ramp() {
     if (!powered_) return 0.0;
     if (state_ == quick_stop_active) {
@@ -680,7 +680,7 @@ class WalkModel {
                        (number == 13 && options_[k605E] != 0 && !coasting_);
     powered_ = number == 4 || number == 16 || (keeps && was_powered);
     if (number == 4 || !powered_) {
-      speed_ = 0.0;  // without power, and on enabling, the demand rests
+      speed_ = 0.0;  // without power, and on enabling, the demand is at rest
     }
     coasting_ = coasting_ && number != 15;
   }
@@ -723,7 +723,7 @@ class WalkModel {
   double speed_ = 0.0;  // |606Bh| of the last tick
   bool powered_ = false;
   bool coasting_ = false;
-  bool entered_ = false;  // the state was entered since the last tick
+  bool entered_ = false;  // the state was entered after the last tick
 };
 
 /// A walk: the same writes to an axis and to the model.
@@ -734,7 +734,7 @@ class Walk {
     configure();
   }
 
-  /// One tick with its writes. Fails at the first difference.
+  /// Writes and runs one tick. Fails at the first difference.
   void tick() {
     if (random_.one_in(20'000)) {
       axis_.axis().power_cycle();
@@ -805,8 +805,8 @@ class Walk {
   void step_and_compare() {
     const AxisStatus& s = axis_.status();
     const double before = std::abs(static_cast<double>(s.velocity_demand_value));
-    // Standstill as the sheet has it: 606Bh = 0 and |606Ch| within 606Fh = 10, which a load may
-    // keep from being so for one second. 606Bh shows 0 half a unit early; 606Ch is rounded.
+    // Standstill as the sheet defines it: 606Bh = 0 and |606Ch| within 606Fh = 10, which a load may
+    // prevent for up to one second. 606Bh shows 0 half a unit early; 606Ch is rounded.
     quiet_ticks_ = before == 0.0 ? quiet_ticks_ + 1 : 0;
     const int actual = std::abs(s.load_velocity_actual_value);
     const bool may_end = before == 0.0 && (actual <= 10 || quiet_ticks_ >= 1'000);
@@ -831,7 +831,7 @@ class Walk {
     model_.end_tick(std::abs(static_cast<double>(s.velocity_demand_value)), s.op_mode_actual);
   }
 
-  /// 606Bh on the ramp of the stop that is in force; two roundings of half a unit.
+  /// 606Bh on the ramp of the stop in force, with two roundings of half a unit.
   void compare_ramp() {
     const double before = model_.speed();
     const double ramp = model_.ramp();
@@ -862,7 +862,7 @@ void expect_every_option_exercised(const WalkCounts& counts) {
       SCOPED_TRACE(std::string(kOptions[i].name) + " = " + std::to_string(value));
       const auto at = static_cast<std::size_t>(value);
       EXPECT_GE(counts.event[i][at], 10U) << "times its event met the axis in motion";
-      // 0 disables at once; 6007h has no ramp of its own.
+      // 0 disables immediately; 6007h has no ramp of its own.
       const bool brakes = i != k6007 && value != 0;
       EXPECT_TRUE(!brakes || counts.braking[i][at] >= 50U)
           << counts.braking[i][at] << " ticks on its ramp";
@@ -873,7 +873,7 @@ void expect_every_option_exercised(const WalkCounts& counts) {
   }
 }
 
-// A million ticks in a build with optimisation, a tenth of it without (sanitizers).
+// A million ticks in an optimised build, a tenth of that otherwise (sanitizers).
 TEST(PowerStateMachine, ARandomWalkFollowsTheTablesInEveryTickAndCoversEveryOptionCode) {
   Walk walk;
   const std::uint64_t ticks = test::case_count(1'000'000, 10'000'000);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Profile position mode of a whole axis, from the manual and the behaviour sheet. Times: 1 ms
-// ticks, the tick of the command is tick 1. Statuswords are the manual's.
+// Profile position mode of a complete axis, from the manual and the behaviour sheet. Times: 1 ms
+// ticks; the tick of the command is tick 1. Statuswords are the manual's.
 #include "core/support/axis_under_test.hpp"
 
 #include <gtest/gtest.h>
@@ -28,14 +28,14 @@ class ProfilePosition : public testing::Test {
     axis.write("profile_dec", deceleration);
   }
 
-  /// Raises bit 4 with `word` in one tick with the target and drops it in the next.
+  /// Sets bit 4 with `word` in the tick of the target and clears it in the next.
   void start(std::int64_t target, std::uint16_t word = 0x003F) {
     axis.write("position_user_target_value", target);
     axis.command(word);
     axis.command(static_cast<std::uint16_t>(word & ~0x0070U));
   }
 
-  /// Until bit 10; fails the test when it does not come.
+  /// Runs until bit 10 is set; fails the test if it is not.
   std::uint64_t run_to_target(std::uint64_t deadline = 20'000) {
     const std::uint64_t ticks = axis.step_until_reached(deadline);
     EXPECT_NE(ticks, 0U) << "bit 10 did not come";
@@ -62,7 +62,7 @@ void run_manual_example(AxisUnderTest& axis, std::int64_t target) {
 
   std::uint64_t ticks = 1;
   while (!axis.reached() && ticks < 20'000) {
-    // Step 9: until the target is reached 6064h lies short of 607Ah - 60F4h or the axis still
+    // Step 9: until the target is reached, 6064h has not arrived at 607Ah - 60F4h or the axis still
     // moves.
     const std::int64_t arrived = target - axis.read("load_position_error_value");
     ASSERT_EQ(axis.statusword(), 0x1237);
@@ -229,7 +229,7 @@ TEST_F(ProfilePosition, TheSetPointHasTheObjectValuesAtTheEdge) {
 TEST_F(ProfilePosition, AZeroLengthMoveIsAcknowledgedAndReachedAfterTheWindowTime) {
   axis.enable();
   EXPECT_EQ(axis.command(0x003F), 0x1237);
-  // 6068h = 20 ms: the timer starts with the acceptance.
+  // 6068h = 20 ms: the timer starts when the set-point is accepted.
   const std::uint64_t ticks = run_to_target();
   EXPECT_NEAR(static_cast<double>(ticks), 20.0, 1.0);
   EXPECT_EQ(axis.statusword(), 0x1637);
@@ -256,7 +256,8 @@ TEST_F(ProfilePosition, ABufferedSetPointKeepsTheAcknowledgeAndStartsWhenTheFirs
   EXPECT_EQ(axis.command(0x001F), 0x1237);
   EXPECT_EQ(axis.command(0x000F), 0x1237) << "the buffer is full";
 
-  // 10000 units at 10000/s and 100000/s²: 1.1 s. Up to there bit 12 stays, bit 10 is 0 throughout.
+  // 10000 units at 10000/s and 100000/s²: 1.1 s. Until then bit 12 stays set; bit 10 is 0
+  // throughout.
   std::uint64_t dropped_at = 0;
   std::int32_t demand_then = 0;
   axis.step_until(
@@ -366,7 +367,7 @@ TEST_F(ProfilePosition, ChangingImmediatelyLeavesNoStepInDemandAndVelocity) {
   axis.controlword(0x003F);
   for (int i = 0; i < 3'000; ++i) {
     axis.step();
-    // 1 ms at no more than 500000/s²: the velocity changes by at most 500 (+1 by rounding).
+    // 1 ms at no more than 500000/s²: the velocity changes by at most 500 (+1 for rounding).
     ASSERT_LE(std::abs(axis.demand_velocity() - velocity), 501);
     ASSERT_NEAR(axis.demand() - position, 0.5e-3 * (axis.demand_velocity() + velocity), 2.0);
     position = axis.demand();
@@ -381,7 +382,7 @@ TEST_F(ProfilePosition, AReversalIsNotReachedAtItsTurningPoint) {
   axis.write("position_target_reached_window", 0xFFFFFFFF);  // off: only the profile counts
   start(100'000);
   axis.step(600);
-  start(axis.demand() + 10);  // far inside the stopping distance
+  start(axis.demand() + 10);  // well inside the stopping distance
   const std::uint64_t ticks = axis.step_until(
       [this] {
         return axis.reached() || axis.demand_velocity() < 0;
@@ -427,7 +428,7 @@ TEST_F(ProfilePosition, Bit5MayAccompanyTheFirstSetPoint) {
 // ---- relative moves
 // ---------------------------------------------------------------------------------
 
-/// The manual's example: +10000, halted on the way, then +5000.
+/// The manual's example: +10000, halted during the move, then +5000.
 struct RelativeCase {
   std::int32_t demand_at_halt;
   std::int32_t actual_at_halt;
@@ -477,12 +478,12 @@ TEST_F(ProfilePosition, RelativeOption2DiffersFromOption1ByTheFollowingErrorOfAM
     moving.enable();
     moving.write("position_user_target_value", 100'000);
     moving.command(0x003F);
-    moving.step(100);  // accelerating: the loops lag behind
+    moving.step(100);  // accelerating, so the loops lag
     const std::int32_t base = option == 1 ? moving.demand() : moving.actual();
     ASSERT_NE(moving.demand(), moving.actual());
     moving.write("position_user_target_value", 50'000);
     moving.command(0x000F);
-    // The base is taken when the word is written: the image of the last tick.
+    // The base is taken when the word is written: the status of the last tick.
     const std::int32_t second_base = option == 1 ? moving.demand() : moving.actual();
     moving.command(0x007F);
     EXPECT_NE(moving.step_until_reached(20'000), 0U);
@@ -533,14 +534,14 @@ TEST_F(ProfilePosition, ABufferedRelativeMoveCountsFromTheMomentItBecomesActive)
     fresh.command(0x005F);
     fresh.command(0x000F);
     fresh.step_until_reached(10'000);
-    // The actual position of option 2 may still settle by a unit or two.
+    // With option 2 the actual position may still settle by a unit or two.
     EXPECT_NEAR(fresh.demand(), 15'000, option == 2 ? 3 : 0) << "60F2h = " << option;
   }
 }
 
 TEST_F(ProfilePosition, ABufferedRelativeMoveKeepsThe60F2hOfItsEdge) {
   axis.write("following_error_window", 0xFFFFFFFF);
-  axis.write("position_target_reached_window", 0xFFFFFFFF);  // reached where the profile ends
+  axis.write("position_target_reached_window", 0xFFFFFFFF);  // reached when the profile ends
   axis.write("positioning_option_code", 0);
   axis.enable();
   axis.write("test_blocked_load", 1);  // 6064h stays 0
@@ -600,7 +601,7 @@ TEST_F(ProfilePosition, AnAbsoluteTargetAtTheEndOfTheRegisterIsExact) {
   configuration.initial_position = 2'147'483'000;
   AxisUnderTest fresh(configuration);
   fresh.enable();
-  fresh.write("position_user_target_value", 648);  // to 2^31, which shows as -2^31
+  fresh.write("position_user_target_value", 648);  // to 2^31, which is shown as -2^31
   fresh.command(0x007F);
   fresh.step(1'000);
   ASSERT_EQ(fresh.demand(), -2'147'483'647 - 1);
@@ -630,7 +631,7 @@ TEST_F(ProfilePosition, AnAbsoluteTargetAfterAWrapIsTheRegisterValue) {
 
 TEST_F(ProfilePosition, NewSetPointsWhileCrossingTheEndOfTheRegisterKeepThePositionLoopClosed) {
   // The demand has wrapped, the lagging encoder has not: whatever the offset, no set-point may see
-  // the two a whole register apart. Undisturbed the axis lags by 45 units here.
+  // the two a full register apart. Undisturbed, the axis lags by 45 units here.
   for (const Feedback feedback : {Feedback::single_encoder, Feedback::dual_encoder}) {
     for (std::int32_t offset = 0; offset < 100; offset += 10) {
       AxisConfiguration configuration;
@@ -811,15 +812,16 @@ TEST_F(ProfilePosition, Bit10WaitsForTheWindowTime) {
   set_profile(1'000, 6'000, 6'000);
   axis.write("position_user_target_value", 500);
   axis.command(0x003F);
-  // The actual position enters the window of 100 units where 100 are left: sqrt(2·100/6000) > 1/6
-  // s, so 83.33 units before the ramp's end: 1/6 + 16.67/1000 = 0.18333 s before the end, within a
-  // following error of 2 units (2 ms). 0.66667 - 0.18333 + 0.5 = 0.98333 s.
+  // The actual position enters the window of 100 units when 100 units remain. sqrt(2·100/6000) >
+  // 1/6 s, so that is before the ramp, which takes the last 83.33 units: 1/6 + 16.67/1000 = 0.18333
+  // s before the end, within a following error of 2 units (2 ms). 0.66667 - 0.18333 + 0.5 = 0.98333
+  // s.
   EXPECT_NEAR(static_cast<double>(run_to_target() + 1), 984.0, 4.0);
 }
 
 TEST_F(ProfilePosition, TheWindowTimeIsMeasuredWithThePublishedPositions) {
-  // An independent timer: cleared outside and at the acceptance, running from the first tick
-  // inside.
+  // An independent timer: cleared outside the window and when the set-point is accepted, running
+  // from the first tick inside.
   AxisConfiguration soft;
   soft.model.position_loop_bandwidth = 4.0;
   for (const std::int64_t window : {0, 1, 10, 100, 5'000}) {
@@ -1081,7 +1083,7 @@ TEST_F(ProfilePosition, TheMotorSpeedBoundsTheSpeedLimit) {
   EXPECT_EQ(axis.demand_velocity(), 68'267);  // 1000·4096/60 = 68266.67
 }
 
-/// An axis with a gear that reduces ten to one and a motor that may turn at 60 rpm.
+/// An axis with a ten-to-one reduction gear and a motor that may turn at 60 rpm.
 AxisConfiguration slow_motor_behind_a_gear(Feedback feedback) {
   AxisConfiguration configuration;
   configuration.model.feedback = feedback;
@@ -1092,13 +1094,13 @@ AxisConfiguration slow_motor_behind_a_gear(Feedback feedback) {
   return configuration;
 }
 
-/// Starts a move that is longer than each of these tests.
+/// Starts a move that outlasts each of these tests.
 void start_long_move(AxisUnderTest& axis) {
   axis.write("position_user_target_value", 1'000'000);
   axis.command(0x003F);
 }
 
-// Two encoders: 6064h counts at the load, which turns a tenth of 60 rpm: 6 x 4096 / 60 = 409.6
+// Two encoders: 6064h counts at the load, which turns at a tenth of 60 rpm: 6 x 4096 / 60 = 409.6
 // UU/s. One encoder: 6064h counts at the motor: 60 x 4096 / 60 = 4096 UU/s.
 TEST(MotorSpeed, BoundsTheMotorNotTheLoad) {
   const std::vector<std::pair<Feedback, std::int32_t>> rows{{Feedback::dual_encoder, 410},
@@ -1110,12 +1112,12 @@ TEST(MotorSpeed, BoundsTheMotorNotTheLoad) {
     start_long_move(axis);
     axis.step(2'000);
     EXPECT_EQ(axis.demand_velocity(), speed);
-    // 3574h counts 4096 UU a revolution of the motor: 60 rpm.
+    // 3574h counts 4096 UU per revolution of the motor: 60 rpm.
     EXPECT_NEAR(static_cast<double>(axis.read("motor_velocity_actual_value")), 4'096.0, 60.0);
   }
 }
 
-// The gear acts at once, 6080h since the enabling. 1:5 of 4096 UU/s at the motor: 819.2 UU/s.
+// The gear takes effect immediately, 6080h at enabling. 1:5 of 4096 UU/s at the motor: 819.2 UU/s.
 TEST(MotorSpeed, HoldsWhenTheGearChangesInMotion) {
   AxisUnderTest axis(slow_motor_behind_a_gear(Feedback::dual_encoder));
   axis.enable();
@@ -1128,7 +1130,7 @@ TEST(MotorSpeed, HoldsWhenTheGearChangesInMotion) {
   EXPECT_EQ(axis.demand_velocity(), 819);
 }
 
-// 5E11h follows 6080h and the gear at once, as the next enabling will use them.
+// 5E11h follows 6080h and the gear immediately; the next enabling will use the same values.
 TEST(MotorSpeed, IsReadInTheUnitsOfThePosition) {
   AxisUnderTest plain;
   EXPECT_EQ(plain.read("motor_speed_limit"), 136'533);  // 2000 x 4096 / 60 = 136533.33

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The profile generator: named cases with derived numbers, then properties over the whole domain of
+// The profile generator: named cases with derived numbers, then properties over the full domain of
 // the 32-bit registers. VDRIVE_NIGHTLY=1 runs 1e7 random cases instead of 1e5.
 #include "vdrive/motion/profile.hpp"
 
@@ -65,8 +65,8 @@ const Case kManual{{0.0, 0.0}, 10000.0, {1000.0, 6000.0, 6000.0}};
 TEST(TrapezoidalProfile, RunsTheManualsExampleIn10166Milliseconds) {
   const Profile profile = plan(kManual);
 
-  // Ramps: 1000/6000 = 1/6 s and 1000²/(2·6000) = 83.333 units each; cruise (10000 - 166.667)/1000
-  // = 9.83333 s; together 10.16667 s.
+  // Ramps: 1000/6000 = 1/6 s and 1000²/(2·6000) = 83.333 units each; cruise: (10000 - 166.667)/1000
+  // = 9.83333 s; 10.16667 s in total.
   EXPECT_NEAR(profile.duration(), 10.0 + 1.0 / 6.0, 1e-12);
   EXPECT_NEAR(profile.at(1.0 / 6.0).position, 1000.0 / 12.0, 1e-9);
   EXPECT_NEAR(profile.at(1.0 / 6.0).velocity, 1000.0, 1e-9);
@@ -99,7 +99,7 @@ TEST(TrapezoidalProfile, RunsTheDefaultsAsATriangle) {
 }
 
 TEST(TrapezoidalProfile, UsesAccelerationToSpeedUpAndDecelerationToSlowDown) {
-  // 3000 units, 1000/s, up with 2000/s² (0.5 s, 250 units), down with 500/s² (2 s, 1000 units):
+  // 3000 units at 1000/s, up with 2000/s² (0.5 s, 250 units), down with 500/s² (2 s, 1000 units):
   // cruise 1750 units, 1.75 s.
   const Profile profile = plan({{0.0, 0.0}, 3000.0, {1000.0, 2000.0, 500.0}});
 
@@ -131,7 +131,7 @@ TEST(TrapezoidalProfile, ReversesWhenTargetLiesInsideStoppingDistance) {
 TEST(TrapezoidalProfile, ReversesWhenTheTargetLiesBehind) {
   const Profile profile = plan({{0.0, 1000.0}, -1000.0, {1000.0, 1000.0, 1000.0}});
 
-  // Stop at 500 after 1 s; back 1500: 0.5 s up, 1 s at 1000, ... 500 + 500 + 500 units.
+  // Stop at 500 after 1 s; back 1500: 0.5 s up, 1 s at 1000, 0.5 s down; 500 + 500 + 500 units.
   EXPECT_NEAR(profile.duration(), 1.0 + 1.0 + 0.5 + 1.0, 1e-12);
   EXPECT_EQ(profile.end_position(), -1000.0);
 }
@@ -216,7 +216,7 @@ TEST(StopProfile, OfAnAxisAtRestIsEmpty) {
 // ---- properties
 // -----------------------------------------------------------------------------------
 
-/// Registers as a master may set them: 6083h/6084h of 0 count as 1.
+/// Registers as a master may set them; 0 in 6083h or 6084h counts as 1.
 Case random_case(Random& random) {
   Case c;
   c.limits.velocity = static_cast<double>(random.word());
@@ -229,7 +229,7 @@ Case random_case(Random& random) {
       c.target = std::nearbyint(c.start.position) +
                  static_cast<double>(static_cast<std::int32_t>(random.word()));
       break;
-    case 1:  // near by
+    case 1:  // nearby
       c.target = std::nearbyint(c.start.position) + static_cast<double>(random.below(201)) - 100.0;
       break;
     default:
@@ -252,7 +252,8 @@ Case random_case(Random& random) {
   return c;
 }
 
-/// What rounding may cost: a time near T is known to an ulp of T, positions to ulps of the largest.
+/// The errors that rounding may cause: a time near T is exact to an ulp of T, positions to ulps of
+/// the largest.
 struct Tolerance {
   double position;
   double velocity;
@@ -309,7 +310,7 @@ void expect_limits(const Case& c, const Profile& profile) {
                 steeper == (speeds_up ? c.limits.acceleration : c.limits.deceleration) ||
                 std::abs(to - from) <= tolerance.velocity)
         << c << " segment " << i;
-    // Faster than the limit only while braking from a start that was.
+    // Faster than the limit only while braking from a start that was faster.
     ASSERT_LE(std::abs(to), std::max(c.limits.velocity, std::abs(from)) + tolerance.velocity) << c;
     if (speeds_up || steeper == 0.0) {
       ASSERT_LE(std::abs(to), c.limits.velocity + tolerance.velocity) << c << " segment " << i;
@@ -350,8 +351,8 @@ void expect_symmetry(const Case& c, const Profile& profile) {
   }
 }
 
-/// The piece in force at `time` moves with its own acceleration over any shorter step: sampling
-/// in one step or in many gives the same.
+/// The piece in force at `time` moves with its own acceleration over any shorter step, so sampling
+/// in one step or in many gives the same result.
 void expect_same_in_many_steps(const Case& c, const Profile& profile, Random& random) {
   const Tolerance tolerance = tolerance_of(c, profile);
   double begin = 0.0;
@@ -380,7 +381,8 @@ void expect_replanning_changes_nothing(const Case& c, const Profile& profile, Ra
   const Profile again = plan(middle);
   const Tolerance first = tolerance_of(c, profile);
   const Tolerance second = tolerance_of(middle, again);
-  // An error of velocity v·ε at the replanning moves the end of the brake path by v²·ε/d.
+  // An error v·ε of the velocity when planning again moves the end of the braking distance by
+  // v²·ε/d.
   const double v = std::abs(state.velocity);
   const double brake = (first.velocity + second.velocity) * (v / c.limits.deceleration);
   const double slack = 8.0 * (first.position + second.position + brake);
@@ -396,7 +398,7 @@ void expect_replanning_changes_nothing(const Case& c, const Profile& profile, Ra
 // --------------------------
 
 /// Farthest position of rest in positive direction after `time` >= |v0|/d, from the definition of
-/// the limits; with `time` it grows monotonically.
+/// the limits; it grows monotonically with `time`.
 double farthest_rest(MotionState start, double time, const MotionLimits& limits) {
   const double a = limits.acceleration;
   const double d = limits.deceleration;
@@ -408,10 +410,10 @@ double farthest_rest(MotionState start, double time, const MotionLimits& limits)
     remaining -= -v / d;
     v = 0.0;
   }
-  if (v > limits.velocity) {  // down to the limit, along it, down to rest
+  if (v > limits.velocity) {  // down to the limit, cruise, down to rest
     return x + 0.5 * v * v / d + limits.velocity * std::max(remaining - v / d, 0.0);
   }
-  // What is left after the shortest stop goes into speeding up by `gain` and slowing down again.
+  // The time beyond the shortest stop is spent on speeding up by `gain` and slowing down again.
   const double spare = std::max(remaining - v / d, 0.0);
   const double gain = std::min(spare / (1.0 / a + 1.0 / d), limits.velocity - v);
   const double peak = v + gain;
@@ -439,8 +441,8 @@ double minimum_time(const Case& c) {
 
 void expect_minimum_time(const Case& c, const Profile& profile) {
   if (c.limits.velocity == 0.0) return;
-  // Where the target lies at the stopping distance the time has a root in the position: what
-  // rounding of positions may cost is found by moving the target.
+  // If the target lies at the stopping distance, the time depends on a square root of the position;
+  // so the time that rounding of positions may cost is found by shifting the target.
   const double stop = 0.5 * c.start.velocity * c.start.velocity / c.limits.deceleration;
   const double slack = 16.0 * kEpsilon * (std::abs(c.start.position) + std::abs(c.target) + stop);
   double shortest = std::numeric_limits<double>::infinity();
@@ -490,7 +492,7 @@ TEST(ProfileProperties, DurationEqualsTheShortestThatABisectionFinds) {
 }
 
 TEST(ProfileProperties, DemandNeverLeavesTheRangeBetweenItsExtremes) {
-  // Monotone approach: no overshoot of the target, beyond what a start that cannot stop forces.
+  // Monotone approach: the target is overshot only as far as a start that cannot stop forces it.
   Random random(4);
   const std::uint64_t count = case_count(100'000, 10'000'000);
   for (std::uint64_t i = 0; i < count; ++i) {
@@ -528,7 +530,7 @@ TEST(ProfileProperties, StopsEndAtTheStoppingDistanceOverTheWholeDomain) {
 }
 
 TEST(ProfileProperties, NoErrorGrowsWithTheLengthOfTheMove) {
-  // 1 unit/s over the whole range lasts 49710 days; whole seconds fall on whole units.
+  // 1 unit/s over the full range takes 49710 days; full seconds coincide with whole units.
   const Profile profile = plan({{-2147483648.0, 0.0}, 2147483647.0, {1.0, 1.0, 1.0}});
   for (const double day : {24.9, 49.7, 10000.0, 49709.0}) {
     const double time = std::floor(day * 86400.0);
@@ -545,8 +547,8 @@ constexpr double kLowestRegister = -2147483648.0;
 constexpr double kHighestRegister = 2147483647.0;
 constexpr double kWholeRange = 4294967295.0;
 
-/// Starts and targets: int32 ends, neighbours, one unit and the whole range apart, relative targets
-/// that leave the range.
+/// Starts and targets: the ends of int32 and their neighbours, one unit and the full range apart,
+/// and relative targets that leave the range.
 std::vector<Case> extreme_ways() {
   std::vector<Case> ways;
   for (const double from : {kLowestRegister, -1.0, 0.0, kHighestRegister}) {
@@ -593,7 +595,7 @@ TEST(ProfileProperties, HoldForAllCombinationsOfRegisterExtremes) {
       for (const double up : kExtremeRamps) {
         for (const double down : kExtremeRamps) {
           // At rest, slow, on the limit, faster than the limit; towards the target and away from
-          // it, which also makes starts inside the stopping distance and beyond the target.
+          // it. This includes starts inside the stopping distance and beyond the target.
           for (const double start : {0.0, 1.0, -1.0, speed, -speed, 2.0 * speed + 1.0,
                                      -2.0 * speed - 1.0, 4294967295.0, -4294967295.0}) {
             Case c = way;
@@ -619,7 +621,7 @@ struct AxisCase {
   std::int32_t to;
 };
 
-/// 6062h and 606Bh in every tick against the closed form from the registers' meaning.
+/// 6062h and 606Bh in every tick against the closed form that the registers define.
 void expect_demand_on_the_profile(const AxisCase& c, int ticks) {
   AxisConfiguration configuration;
   configuration.initial_position = c.from;
@@ -633,7 +635,7 @@ void expect_demand_on_the_profile(const AxisCase& c, int ticks) {
   axis.enable();
   axis.write("position_user_target_value", c.to);
   axis.controlword(0x001F);
-  // 6083h and 6084h of 0 count as 1 and are capped by 60C5h and 60C6h.
+  // 0 in 6083h or 6084h counts as 1; both are capped by 60C5h and 60C6h.
   const double ramp = std::clamp(static_cast<double>(c.acceleration), 1.0, 4294967040.0);
   const Profile profile = plan({{static_cast<double>(c.from), 0.0},
                                 static_cast<double>(c.to),
@@ -642,7 +644,7 @@ void expect_demand_on_the_profile(const AxisCase& c, int ticks) {
     axis.step();
     const MotionSample expected = profile.at(tick * 1.0e-3);
     ASSERT_EQ(axis.demand(), std::llrint(expected.position)) << "tick " << tick;
-    // 606Bh is an INTEGER32: it stays at its end.
+    // 606Bh is an INTEGER32 and saturates.
     ASSERT_NEAR(axis.demand_velocity(),
                 std::clamp(expected.velocity, kLowestRegister, kHighestRegister), 0.51)
         << "tick " << tick;
@@ -682,7 +684,7 @@ TEST(AxisDemand, OfRelativeMovesWrapsAtBothEndsOfTheRegister) {
     axis.write("profile_dec", 4294967295);
     axis.write("positioning_option_code", 0);
     axis.enable();
-    // Ten times across the whole range: 2147483647 units each, modulo 2³².
+    // Ten times across the full range: 2147483647 units each, modulo 2³².
     auto expected = static_cast<std::uint32_t>(configuration.initial_position);
     for (int i = 0; i < 10; ++i) {
       axis.write("position_user_target_value", sign * 2147483647LL);
@@ -700,12 +702,12 @@ TEST(AxisDemand, OfRelativeMovesWrapsAtBothEndsOfTheRegister) {
 // ---- uptimes
 // ------------------------------------------------------------------------------------------
 
-/// One drive without a bank: what depends on how long it runs is in its state, which a test can set
-/// to any time. A tick is 1 ms: 2³¹ ticks are 24.9 days, 2³² are 49.7.
+/// One drive without a bank: all that depends on its running time is in its state, which a test can
+/// set to any time. A tick is 1 ms: 2³¹ ticks are 24.9 days, 2³² are 49.7.
 class LongRunningDrive {
  public:
   LongRunningDrive() {
-    // A power-up leaves the objects of the test bench as they are: 5E21h, no switch has a place.
+    // A power-up leaves the test bench objects unchanged: in 5E21h no switch has a position.
     for (std::size_t row = 0; row < kObjectTable.size(); ++row) {
       registers_.values[row] = kObjectTable[row].default_value;
     }
@@ -718,7 +720,7 @@ class LongRunningDrive {
     ASSERT_EQ(write_object(axis_, *find_object(name), value).code, AbortCode::none);
   }
 
-  /// One tick of an ideal servo: the load is where the demand is.
+  /// One tick of an ideal servo: the load is at the demand.
   void tick() {
     begin_tick(axis_);
     watch_tick(axis_);
@@ -733,10 +735,10 @@ class LongRunningDrive {
     for (int i = 0; i < count; ++i) tick();
   }
 
-  /// The load stands this far from the demand [UU].
+  /// Puts the load this far from the demand [UU].
   void push_away(double distance) { distance_ = distance; }
 
-  /// Following errors are shown in bit 13 and are no faults.
+  /// Following errors set bit 13 and are not faults.
   void only_warn() { registers_.settings.following_error_is_fault = false; }
 
   DriveState& state() { return state_; }
@@ -745,7 +747,7 @@ class LongRunningDrive {
 
   void set_demand_position(double position) { block_.demand.position[0] = position; }
 
-  /// The given number of ticks after the plan, in its segment number `segment`.
+  /// Sets the time to `ticks` after the plan, in its segment number `segment`.
   void go_to(double ticks, std::size_t segment) {
     block_.demand.plan_ticks[0] = ticks;
     put_segment(axis_, with_jerk(profile().segment(segment)));
@@ -781,7 +783,7 @@ TEST(Uptime, AMoveAcrossTheWholeRangeIsExactAfter24And49Days) {
   const double start = drive.profile().at(0.0).position;
   ASSERT_GT(drive.profile().duration(), 49.75 * kDay);
   for (const double border : {2147483648.0, 4294967296.0}) {
-    // The segment in force then is the second: 999 units/s.
+    // The segment in force at that time is the second: 999 units/s.
     drive.go_to(border - 50.0, 1);
     for (int i = 1; i <= 100; ++i) {
       drive.tick();
@@ -793,7 +795,7 @@ TEST(Uptime, AMoveAcrossTheWholeRangeIsExactAfter24And49Days) {
       ASSERT_EQ(drive.status().ds402_statusword, 0x1237);
     }
   }
-  // And it ends on its target to the unit.
+  // It ends exactly on its target.
   drive.go_to(std::floor(drive.profile().duration() * 1'000.0) - 5.0, 2);
   drive.tick(10);
   EXPECT_EQ(drive.demand_position(), start + kWholeRange);
@@ -801,7 +803,8 @@ TEST(Uptime, AMoveAcrossTheWholeRangeIsExactAfter24And49Days) {
 }
 
 TEST(Uptime, TickCountersSaturate) {
-  // At rest for 49.7 days: the window's time, the time in the state, the following error's time.
+  // At rest for 49.7 days: the time in the window, the time in the state, the time of the following
+  // error.
   for (const std::uint32_t ticks : {0x7FFFFFFFU, 0xFFFFFFFFU}) {
     LongRunningDrive drive;
     drive.write("ds402_controlword", 0x0F);
@@ -815,7 +818,7 @@ TEST(Uptime, TickCountersSaturate) {
     }
     EXPECT_GE(drive.state().window.dwell, ticks);
     EXPECT_GE(drive.state().power.ticks_in_state, ticks);
-    // Later behaviour is that of a new axis.
+    // From here on it behaves like a new axis.
     drive.write("position_user_target_value", 0);
     drive.write("ds402_controlword", 0x1F);
     drive.tick();
@@ -851,7 +854,7 @@ TEST(Uptime, AFollowingErrorWarningLastsFor49Days) {
 }
 
 TEST(Uptime, PositionsStayExactOverYearsOfOneDirection) {
-  // 2⁴⁰ units are 93 days at 136533 units/s; there the frame is taken back by whole turns of 2³².
+  // 2⁴⁰ units are 93 days at 136533 units/s; there the frame is shifted back by whole turns of 2³².
   LongRunningDrive drive;
   drive.write("ds402_controlword", 0x0F);
   drive.write("positioning_option_code", 1);

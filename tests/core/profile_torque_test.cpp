@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Profile torque mode (6060h = 4): slope, limits, the speed that 607Fh bounds, stops.
+// Profile torque mode (6060h = 4): slope, limits, the speed limit 607Fh, stops.
 #include "core/support/axis_under_test.hpp"
 
 #include <gtest/gtest.h>
@@ -19,9 +19,9 @@ using std::chrono::microseconds;
 using test::AxisUnderTest;
 using enum PowerState;
 
-constexpr std::int64_t kAtOnce = 4'294'967'295;  // 6087h: any torque within a tick
+constexpr std::int64_t kAtOnce = 4'294'967'295;  // 6087h: any torque within one tick
 
-/// Profile torque in Operation enabled, at rest.
+/// Profile torque, Operation enabled, at rest.
 void enable_profile_torque(AxisUnderTest& axis) {
   axis.write("op_mode_cmd", 4);
   axis.command(0x000F);
@@ -34,7 +34,7 @@ AxisConfiguration without_friction() {
   return configuration;
 }
 
-/// Speeding along under `torque`, ramps of 50, 100 and 200 UU/s a tick.
+/// Running under `torque`; ramps of 50, 100 and 200 UU/s per tick.
 void run_with(AxisUnderTest& axis, std::int64_t torque) {
   axis.write("profile_dec", 50'000);
   axis.write("quick_stop_deceleration", 100'000);
@@ -99,7 +99,7 @@ TEST(ProfileTorque, ASlopeOf0CountsAs1AndTakesEffectDuringMotion) {
 
 TEST(ProfileTorque, ConstantTorqueAcceleratesTheInertia) {
   // 100 per mille of 3 N.m on 6e-4 kg.m2: 500 rad/s² = 325949 UU/s². The current loop of 1000 Hz
-  // costs the velocity of one of its time constants.
+  // delays the velocity by one of its time constants.
   const double acceleration = 0.3 / 6.0e-4 * 4096.0 / (2.0 * std::numbers::pi);
   const double lag = 1.0 / (2.0 * std::numbers::pi * 1000.0);
   for (const int sign : {1, -1}) {
@@ -107,10 +107,10 @@ TEST(ProfileTorque, ConstantTorqueAcceleratesTheInertia) {
     axis.write("torque_slope", kAtOnce);
     enable_profile_torque(axis);
     axis.write("target_torque", sign * 100);
-    axis.step();  // the ramp: 0 to 7/8 of the torque in 8 servo cycles, 7/16 in the mean
+    axis.step();  // the ramp: 0 to 7/8 of the torque in 8 servo cycles, 7/16 on average
     for (int tick = 2; tick <= 300; ++tick) {
       axis.step();
-      // 606Ch is the mean over the tick: half a tick before its end.
+      // 606Ch is the mean over the tick: the velocity half a tick before its end.
       const double time = (tick - 0.5 - 9.0 / 16.0) * 1.0e-3 - lag;
       ASSERT_NEAR(axis.velocity(), sign * acceleration * time, 3.0) << tick;
     }
@@ -371,7 +371,7 @@ TEST(ProfileTorque, DisableOperationAndShutdownReduceATorqueThatPressesFirst) {
   for (const std::uint16_t word : {std::uint16_t{0x0007}, std::uint16_t{0x0006}}) {
     AxisUnderTest axis;
     axis.write("test_blocked_load", 1);
-    axis.write("torque_slope", 8'000);  // 8 per mille a tick
+    axis.write("torque_slope", 8'000);  // 8 per mille per tick
     axis.write("shutdown_option_code", 1);
     axis.write("disable_operation_option_code", 1);
     enable_profile_torque(axis);

@@ -21,13 +21,13 @@ using enum PowerState;
 
 constexpr std::uint16_t kBits = 0x1400;  // 12 speed zero, 10 target reached
 
-/// Profile velocity in Operation enabled, at rest.
+/// Profile velocity, Operation enabled, at rest.
 void enable_profile_velocity(AxisUnderTest& axis) {
   axis.write("op_mode_cmd", 3);
   axis.command(0x000F);
 }
 
-/// Ramps that cannot be confused: 1000, 50, 100 and 200 UU/s a tick.
+/// Ramps that cannot be confused: 1000, 50, 100 and 200 UU/s per tick.
 void set_ramps(AxisUnderTest& axis) {
   axis.write("profile_acc", 1'000'000);
   axis.write("profile_dec", 50'000);
@@ -229,7 +229,7 @@ TEST(ProfileVelocity, PositionsWrapAtTheEndsOfTheRegister) {
       last = now;
     }
     EXPECT_LT(sign * static_cast<std::int64_t>(axis.actual()), 0);
-    // From here profile position finds its targets.
+    // From here profile position reaches its targets.
     axis.write("op_mode_cmd", 1);
     ASSERT_NE(axis.step_until(
                   [&axis] {
@@ -279,7 +279,7 @@ TEST(ProfileVelocity, Bit10ShowsTheSpeedInTheWindow606DhForTheTime606Eh) {
   for (int i = 0; i < 400; ++i) {
     axis.step();
     inside = std::abs(axis.velocity() - 30'000) <= 500 ? inside + 1 : 0;
-    // It has lasted for longer than 30 ms with the 31st tick.
+    // In the 31st tick it has lasted for longer than 30 ms.
     ASSERT_EQ(axis.reached(), inside > 30) << i;
     rose = rose || axis.reached();
   }

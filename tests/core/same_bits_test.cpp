@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Bits of axes that use nothing but what is on by default. Compiler, processor and preset change
-// none of them (docs/explanation/core.md, "Same bits").
+// Bits of axes that use only what is on by default. They do not depend on compiler, processor and
+// preset (docs/explanation/core.md, "Same bits").
 #include "vdrive/axis_bank.hpp"
 
 #include <gtest/gtest.h>
@@ -17,9 +17,9 @@ namespace {
 constexpr std::size_t kDefaultAxes = 24;
 constexpr int kPinnedTicks = 4'000;
 
-// The number of `hash_of_default_axes` at commit 9745ae17, the last one before limited jerk, the
-// modes 2, 7, 9 and 10, switches with a place, the effects of a real axis and the habits of other
-// drives. All of them are off here, and then no bit may change. A new member of AxisStatus changes
+// The result of `hash_of_default_axes` at commit 9745ae17, the last one before limited jerk, the
+// modes 2, 7, 9 and 10, switches with a position, the effects of a real axis and the habits of
+// other drives. All of them are off here, so no bit may change. A new member of AxisStatus changes
 // the number as well: take the new one from a commit that adds the member and nothing else.
 constexpr std::uint64_t kHashOfDefaultAxes = 0xE8B0'2E21'7BA6'4E53;
 
@@ -28,8 +28,8 @@ std::int64_t mode_of_default_axis(std::size_t axis) {
   return kPinnedModes[axis % kPinnedModes.size()];
 }
 
-/// What a master writes to an axis before a tick: two moves, the second on the way of the first;
-/// two velocities; homing by the index pulse and by the present position; a stream to and fro. Then
+/// Writes of a master to an axis before a tick: two moves, the second during the first; two
+/// velocities; homing on the index pulse and on the current position; a stream back and forth. Then
 /// a load for all, and a quick stop in motion.
 void lead_default_axis(AxisBank& bank, std::size_t axis, int tick) {
   const auto write = [&bank, axis](std::uint16_t index, std::int64_t value) {

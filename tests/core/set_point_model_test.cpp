@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-// The set-point handshake of a whole axis against a reference model, tick by tick over random
+// The set-point handshake of a complete axis against a reference model, tick by tick over random
 // command sequences: several words in a tick, buffering, halts, mode switches, disables and faults
-// in the middle. The model is written from sections 2.1 to 2.10 of the behaviour sheet; of the
-// drive it takes the actual position and speed (6064h, 606Ch) and, tested by itself, the planner.
-// A failing sequence shrinks and prints as a file that `vdrive run` takes in lock-step.
+// in between. The model is written from sections 2.1 to 2.10 of the behaviour sheet. From the drive
+// it takes only the actual position and speed (6064h, 606Ch) and the planner, which has tests of
+// its own. A failing sequence is shrunk and printed as a file that `vdrive run` accepts in
+// lock-step.
 #include "core/support/set_point_model.hpp"
 
 #include "core/support/set_point_sequences.hpp"
@@ -25,7 +26,7 @@ namespace {
 TEST(SetPointModel, AgreesWithTheDriveTickByTickOverRandomSequences) {
   const std::uint64_t cases = case_count(2'000, 50'000);
   const std::string parameters = "seed=20240613 max_size=60 max_success=" + std::to_string(cases);
-  setenv("RC_PARAMS", parameters.c_str(), 0);  // rapidcheck's own variable wins
+  setenv("RC_PARAMS", parameters.c_str(), 0);  // rapidcheck's own variable takes precedence
   std::map<std::string, int> occurred;
   const bool agree = rc::check("drive and reference model agree", [&occurred] {
     const std::vector<Step> steps = *any_sequence();
@@ -79,7 +80,7 @@ TEST(SetPointModel, RunsTheManualsExample) {
 }
 
 /// Moves to 1000 at 1000 units/s; in the tick `late` the set-point to 2000 is buffered.
-/// @return the tick in which the demand starts for 2000.
+/// @return the tick in which the demand starts towards 2000.
 std::uint64_t start_of_the_second_move(std::uint64_t late) {
   AxisUnderTest axis;
   axis.enable();
@@ -102,7 +103,7 @@ std::uint64_t start_of_the_second_move(std::uint64_t late) {
 }
 
 TEST(SetPointModel, ASetPointBufferedInsideTheWindowDoesNotDelayTheChain) {
-  // The move takes 1.16667 s; its last 100 units, the window of 6067h, more than the 20 ms of
+  // The move takes 1.16667 s; its last 100 units, the window of 6067h, take more than the 20 ms of
   // 6068h.
   const std::uint64_t early = start_of_the_second_move(500);
   for (const std::uint64_t late : {1'130U, 1'150U, 1'160U, 1'166U}) {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// 60B0h, 60B1h, 60B2h: offsets of cyclic synchronous position and velocity mode. That of torque
-// mode and the sum of velocities are in the tests of these modes.
+// 60B0h, 60B1h, 60B2h: offsets of cyclic synchronous position and velocity mode. The tests of these
+// modes cover the offset of torque mode and the sum of velocities.
 #include "core/support/axis_under_test.hpp"
 
 #include <gtest/gtest.h>
@@ -17,7 +17,7 @@ namespace {
 using test::AxisUnderTest;
 using enum PowerState;
 
-/// In this mode, in Operation enabled, at rest; the stream of `object` has begun with 0.
+/// In `mode`, Operation enabled, at rest; the stream of `object` has begun with 0.
 void begin_stream_of_zero(AxisUnderTest& axis, std::int64_t mode, const char* object) {
   axis.write("op_mode_cmd", mode);
   axis.command(0x000F);
@@ -27,10 +27,10 @@ void begin_stream_of_zero(AxisUnderTest& axis, std::int64_t mode, const char* ob
 
 struct ModeOfOffset {
   std::int64_t mode;
-  const char* object;  // that is streamed
+  const char* object;  // the object that is streamed
 };
 
-/// Modes whose velocity loop takes 60B2h.
+/// Modes whose velocity loop uses 60B2h.
 constexpr std::array<ModeOfOffset, 2> kModesWithTorqueOffset{
     {{8, "position_user_target_value"}, {9, "target_velocity"}}};
 
@@ -95,8 +95,9 @@ TEST(PositionOffset, ChangesNothingInOtherModes) {
 
 // ---- 60B1h in cyclic position -------------------------------------------------------------------
 
-// At rest the position loop asks for no velocity: its gain of 2π·16 Hz times the position error is
-// the offset, 1000 / 100.5 = 9.95. Friction may hold the axis a unit beside it.
+// At rest the position loop cancels the offset: the position error times its gain of 2π·16 Hz is
+// the offset, so the error is 1000 / 100.5 = 9.95. Friction may hold the axis a unit away from
+// that.
 TEST(VelocityOffset, IsAddedToWhatThePositionLoopAsksFor) {
   for (const int sign : {1, -1}) {
     AxisUnderTest axis;
@@ -143,7 +144,7 @@ TEST(TorqueOffset, IsAddedToTheCommandOfTheVelocityLoopInTheSameTick) {
   for (const ModeOfOffset& row : kModesWithTorqueOffset) {
     SCOPED_TRACE(row.object);
     AxisUnderTest axis;
-    axis.write("test_blocked_load", 1);  // no speed, so that the loops ask for nothing
+    axis.write("test_blocked_load", 1);  // no speed, so the loops demand nothing
     begin_stream_of_zero(axis, row.mode, row.object);
     ASSERT_EQ(axis.status().torque_demand, 0);
     axis.write("torque_offset", 100);
@@ -160,7 +161,7 @@ TEST(TorqueOffset, IsAddedToTheCommandOfTheVelocityLoopInTheSameTick) {
   }
 }
 
-/// @return the highest speed that a load of 0.6 N.m gives to the axis, which is held.
+/// @return the highest speed that a load of 0.6 N.m gives to an axis that holds its position.
 std::int32_t highest_speed_under_load(const ModeOfOffset& row, std::int64_t torque_offset) {
   AxisUnderTest axis;
   begin_stream_of_zero(axis, row.mode, row.object);
@@ -174,7 +175,8 @@ std::int32_t highest_speed_under_load(const ModeOfOffset& row, std::int64_t torq
   return highest;
 }
 
-// The load needs 200 per mille of 3 N.m: given at once, only the lag of the current loop is left.
+// The load needs 200 per mille of 3 N.m: if the offset provides them, only the lag of the current
+// loop remains.
 TEST(TorqueOffset, TakesALoadThatTheMasterKnows) {
   for (const ModeOfOffset& row : kModesWithTorqueOffset) {
     EXPECT_LT(3 * highest_speed_under_load(row, -200), highest_speed_under_load(row, 0))

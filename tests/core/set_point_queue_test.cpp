@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The set-point handshake by itself: bits 4 and 5 of the controlword, bit 12 of the statusword, one
+// The set-point handshake alone: bits 4 and 5 of the controlword, bit 12 of the statusword, one
 // buffered set-point.
 #include "vdrive/motion/set_point_queue.hpp"
 
@@ -14,7 +14,7 @@ constexpr std::uint16_t kBit4Low = 0x000F;
 constexpr std::uint16_t kEdge = 0x001F;
 constexpr std::uint16_t kImmediateEdge = 0x003F;
 
-/// A queue and the previous controlword: controlwords as a master writes them.
+/// A queue and the previous controlword; takes controlwords as a master writes them.
 class SetPointHandshake : public testing::Test {
  protected:
   SetPointOutcome write(std::uint16_t word, bool moving, const SetPoint& candidate = {}) {

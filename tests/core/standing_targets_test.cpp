@@ -19,10 +19,10 @@ namespace {
 
 using test::AxisUnderTest;
 
-// Longer than any habit lets a drive wait for its power: each is set to 20 ms, or to "on".
+// Longer than any habit makes a drive wait for its power: each is set to 20 ms, or to "on".
 constexpr std::uint64_t kLongerThanAHabit = 100;
 constexpr std::uint8_t kSubindexes = 14;      // of 5E20h
-constexpr std::uint8_t kStatuswordBits = 12;  // a habit that shows other bits and does nothing
+constexpr std::uint8_t kStatuswordBits = 12;  // a habit that only inverts status bits
 constexpr std::uint64_t kTimeToMove = 300;
 
 bool is_target(const ObjectDescription& object) {
@@ -30,7 +30,7 @@ bool is_target(const ObjectDescription& object) {
          object.variable_name != "op_mode_cmd";
 }
 
-/// A drive without power in which a master has left its mode and 200 in every target and offset.
+/// A drive without power in which a master has left its mode, and 200 in every target and offset.
 class LeftDrive {
  public:
   explicit LeftDrive(OperatingMode mode) {
@@ -57,7 +57,7 @@ class LeftDrive {
     drive_.command(static_cast<std::uint16_t>(controlwords::kEnableOperation | more));
   }
 
-  /// @return the farthest that demand and axis get from where the axis stood [UU].
+  /// @return the farthest that demand and axis move from where the axis was [UU].
   std::int32_t way() {
     std::int32_t farthest = 0;
     for (std::uint64_t tick = 0; tick < kTimeToMove; ++tick) {
@@ -71,7 +71,7 @@ class LeftDrive {
   AxisUnderTest drive_;
 };
 
-// In every mode and with every habit, alone; positions, records and offsets are left as they are.
+// In every mode, with each habit alone; positions, records and offsets are left as they are.
 TEST(StandingTargets, OfZeroLetAnAxisRestThatGetsItsPower) {
   for (const OperatingModeRow& mode : kOperatingModes) {
     for (std::uint8_t habit = 0; habit <= kSubindexes; ++habit) {
@@ -89,7 +89,7 @@ TEST(StandingTargets, OfZeroLetAnAxisRestThatGetsItsPower) {
   }
 }
 
-/// A mode whose standing target commands a motion at once, and the bits of 6040h that it needs.
+/// A mode whose standing target starts a motion at once, and the bits of 6040h that it needs.
 struct FollowingMode {
   OperatingMode mode;
   std::uint16_t bits;
@@ -97,7 +97,7 @@ struct FollowingMode {
 
 class StandingTarget : public testing::TestWithParam<FollowingMode> {};
 
-// Which is right for a drive: the caller of the words has to know it.
+// This is correct for a drive; the program that writes the words must know it.
 TEST_P(StandingTarget, ThatWasLeftMovesAnAxisThatGetsItsPower) {
   LeftDrive left(GetParam().mode);
   left.enable(GetParam().bits);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// State goes into snapshots as it lies in memory. This file is compiled, and that is the test: a
-// byte of the state without a value is an error. core_axis_bank_test compares the bytes of
+// State goes into snapshots as it lies in memory. Compiling this file is the test: a padding byte
+// in the state, which has no value, is an error. core_axis_bank_test compares the bytes of
 // snapshots.
 #include "vdrive/axis_configuration.hpp"
 #include "vdrive/axis_status.hpp"  // status_digest.cpp checks the image
@@ -12,7 +12,8 @@
 #include <span>
 #include <vector>
 
-// The headers above describe configurations and members, which no snapshot has.
+// Only from here on: the headers above describe configurations and members, which no snapshot
+// contains.
 #pragma GCC diagnostic error "-Wpadded"
 
 #include "bank/parameter_memory.hpp"

@@ -31,7 +31,7 @@ TEST(StatusDigest, NamesEveryMemberOfAxisStatusOnce) {
   std::set<std::string_view> names;
   for (const StatusMember& member : status_members()) {
     EXPECT_TRUE(names.insert(member.name).second) << member.name;
-    // The members that are no objects of the dictionary are the two counts.
+    // The only members that are not objects of the dictionary are the two counts.
     EXPECT_EQ(member.address.index == 0,
               member.name == "ignored_set_points" || member.name == "fault_count")
         << member.name;
@@ -40,7 +40,7 @@ TEST(StatusDigest, NamesEveryMemberOfAxisStatusOnce) {
   EXPECT_EQ(status_members()[14].address, (ObjectAddress{0x6041, 0}));
 }
 
-/// 60FDh has 32 bits, of which the drive uses three: its member is shorter.
+/// 60FDh has 32 bits, of which the drive uses three, so its member is shorter.
 TEST(StatusMembers, HaveTheTypesOfTheirObjects) {
   for (const StatusMember& member : status_members()) {
     const auto row = find_object(member.address);
@@ -62,8 +62,8 @@ TEST(StatusMembers, SetTheWholeImage) {
   EXPECT_EQ(std::bit_cast<Bytes>(status), Bytes{});
 }
 
-/// One bit of one axis is flipped: the digest names the axis and, where the members identify it
-/// has another value, which member.
+/// One bit of one axis is flipped: the digest names the axis and, if the flip changes the value of
+/// a member, that member.
 TEST(StatusDigest, OneFlippedBitNamesItsAxisAndItsMember) {
   Random random(7);
   for (std::uint64_t number = 0; number < test::case_count(5'000, 200'000); ++number) {

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Option codes 605Ah to 605Eh and 6007h: which ramp, which state meanwhile, which state after.
+// Option codes 605Ah to 605Eh and 6007h: the ramp, the state during the stop, and the state after
+// it.
 #include "core/support/axis_under_test.hpp"
 
 #include <gtest/gtest.h>
@@ -23,7 +24,7 @@ constexpr std::int64_t kRampOf6085h = 100'000;
 constexpr std::int64_t kRampOf60C6h = 200'000;
 constexpr std::int32_t kSpeed = 40'000;
 
-/// Moving with constant speed, controlword 001Fh.
+/// Moving at constant speed, controlword 001Fh.
 void start_moving(AxisUnderTest& axis) {
   axis.write("profile_acc", 1'000'000);
   axis.write("profile_dec", kRampOf6084h);
@@ -48,8 +49,8 @@ std::int64_t ramp_of_stop(std::int64_t option) {
   }
 }
 
-/// Follows a braking axis while it stays in `state`: each tick takes `ramp`/1000 off the speed.
-/// @return ticks until another state shows, or until it stands for 200 ticks.
+/// Follows a braking axis while it stays in `state`: each tick reduces the speed by `ramp`/1000.
+/// @return ticks until another state is shown, or until the axis has been at rest for 200 ticks.
 std::uint64_t expect_braking(AxisUnderTest& axis, PowerState state, std::int64_t ramp) {
   const auto braking = static_cast<std::uint64_t>(kSpeed * 1'000 / ramp);
   for (std::uint64_t tick = 1; tick <= braking + 200; ++tick) {
@@ -162,7 +163,7 @@ TEST(StopOptions, ReEnablingDuringTheQuickStopBringsTheAxisToRest) {
 }
 
 TEST(StopOptions, ReEnablingPowersACoastingAxis) {
-  // 605Ah = 0 takes the power; 5 to 8, written before the state is left, allow transition 16.
+  // 605Ah = 0 removes the power; 5 to 8, written before the state is left, allow transition 16.
   AxisUnderTest axis;
   axis.write("quick_stop_option_code", 0);
   ASSERT_NO_FATAL_FAILURE(start_moving(axis));
@@ -182,7 +183,7 @@ TEST(StopOptions, ReEnablingPowersACoastingAxis) {
 }
 
 TEST(StopOptions, ReEnablingAfterAModeChangeInTheQuickStopShowsNoTargetReachedInMotion) {
-  // With equal ramps the stop continues unchanged; with the window off bit 10 is the end of the
+  // With equal ramps the stop continues unchanged; with the window off, bit 10 shows the end of the
   // motion.
   AxisUnderTest axis;
   axis.write("quick_stop_option_code", 6);
@@ -245,7 +246,7 @@ TEST(StopOptions, StrongerCommandsActDuringTheRamp) {
   for (const auto& [word, state] :
        {std::pair{0x0000, switch_on_disabled}, std::pair{0x0002, quick_stop_active},
         std::pair{0x0006, ready_to_switch_on}}) {
-    AxisUnderTest axis;  // 605Bh = 0: shutdown acts at once
+    AxisUnderTest axis;  // 605Bh = 0: shutdown acts immediately
     ASSERT_NO_FATAL_FAILURE(start_moving(axis));
     axis.command(0x0007);
     axis.step(100);
@@ -289,7 +290,7 @@ INSTANTIATE_TEST_SUITE_P(StopOptions, HaltOption, testing::Values(1, 2, 3, 4),
 /// A cause of a fault, its code, and whether the axis can still brake.
 struct FaultCause {
   const char* name;
-  const char* input;  // test-bench input; empty for the silent master
+  const char* input;  // test bench input; empty for the silent master
   std::int64_t code;
   bool brakes;
 };
@@ -306,7 +307,7 @@ constexpr std::array<FaultCause, 7> kFaultCauses{{
 
 class FaultReaction : public testing::TestWithParam<std::tuple<FaultCause, std::int64_t>> {
  protected:
-  /// Makes the cause appear. @return false if no fault follows within the next ticks.
+  /// Triggers the cause. @return false if no fault follows within the next ticks.
   bool provoke() {
     const FaultCause& cause = std::get<0>(GetParam());
     if (*cause.input == '\0') {
@@ -323,12 +324,12 @@ class FaultReaction : public testing::TestWithParam<std::tuple<FaultCause, std::
 TEST_P(FaultReaction, Follows605EhForCausesThatCanBrakeAndCoastsForOthers) {
   const auto& [cause, option] = GetParam();
   axis.write("fault_reaction_option_code", option);
-  axis.write("following_error_window", 2'000);  // at 40000/s a blocked axis is there in 50 ms
+  axis.write("following_error_window", 2'000);  // at 40000/s a blocked axis exceeds it in 50 ms
   ASSERT_NO_FATAL_FAILURE(start_moving(axis));
   ASSERT_TRUE(provoke());
   EXPECT_EQ(axis.read("error_code"), cause.code);
   const bool following_error = cause.code == 0x8611;
-  // Bit 13 of a following error; bit 4 without the DC link.
+  // Bit 13 with a following error; no bit 4 without the DC link.
   const auto bits = static_cast<std::uint16_t>((following_error ? 0x2000 : 0) |
                                                (cause.code == 0x3220 ? 0 : 0x0010));
   EXPECT_EQ(axis.statusword(), 0x020F | bits);
@@ -340,7 +341,7 @@ TEST_P(FaultReaction, Follows605EhForCausesThatCanBrakeAndCoastsForOthers) {
     return;
   }
   if (following_error) {
-    axis.step();  // found after the demand of its tick: the ramp begins with the next
+    axis.step();  // detected after the demand of its tick: the ramp begins in the next
   }
   expect_braking(axis, fault_reaction_active, ramp_of_stop(option));
   EXPECT_EQ(axis.statusword(), 0x0208 | bits);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// 5E21h: limit switches and a home switch that stand somewhere along the way of the axis.
+// 5E21h: limit switches and a home switch at positions along the travel of the axis.
 #include "core/support/axis_under_test.hpp"
 #include "vdrive/axis_bank.hpp"
 
@@ -22,7 +22,7 @@ constexpr std::int64_t kNegativeSwitch = 1;
 constexpr std::int64_t kPositiveSwitch = 2;
 constexpr std::int64_t kHomeSwitch = 4;
 
-/// Starts an absolute move at 40000 UU/s, at once.
+/// Starts an absolute move at 40000 UU/s immediately.
 void start_to(AxisUnderTest& axis, std::int32_t target) {
   axis.write("profile_velocity", 40'000);
   axis.write("position_user_target_value", target);
@@ -61,7 +61,7 @@ TEST(SwitchPlaces, MakeTheInputsFollowThePosition) {
   for (int tick = 0; tick < 1'000; ++tick) {
     axis.step();
     const std::int32_t actual = axis.actual();
-    // 6064h is rounded: at the edge itself either is right.
+    // 6064h is rounded: at the edge itself either value is right.
     if (actual == 3'000 || actual == 5'000) continue;
     const bool is_home = actual > 3'000 && actual < 5'000;
     ASSERT_EQ(axis.read("digital_inputs"), is_home ? kHomeSwitch : 0) << actual;
@@ -69,7 +69,7 @@ TEST(SwitchPlaces, MakeTheInputsFollowThePosition) {
   ASSERT_EQ(axis.actual(), 11'900);
 }
 
-// A table of 4096 UU a turn, which starts at 500 and goes on in one direction.
+// A table of 4096 UU per turn, which starts at 500 and moves in one direction.
 TEST(SwitchPlaces, OfAHomeSwitchAreInEachTurnOfAModuloAxis) {
   for (const int sign : {1, -1}) {
     AxisConfiguration configuration;
@@ -89,10 +89,10 @@ TEST(SwitchPlaces, OfAHomeSwitchAreInEachTurnOfAModuloAxis) {
       const bool was_on = is_on;
       is_on = axis.read("digital_inputs") == kHomeSwitch;
       seen += is_on && !was_on ? 1 : 0;
-      if (actual == 3'000 || actual == 3'200) continue;  // at the edge itself either is right
+      if (actual == 3'000 || actual == 3'200) continue;  // at the edge itself either value is right
       ASSERT_EQ(is_on, actual > 3'000 && actual < 3'200) << actual;
     }
-    // 1 s at 20000 UU/s, less the half of the ramp of 0.05 s: 19500 UU, 4.7 turns.
+    // 1 s at 20000 UU/s, minus half the ramp of 0.05 s: 19500 UU, 4.7 turns.
     EXPECT_EQ(seen, 5);
   }
 }
@@ -115,7 +115,8 @@ TEST(SwitchPlaces, ALimitSwitchStopsAMotionTowardsItAndLetsTheAxisBack) {
     axis.enable();
     start_to(axis, sign * 1'000'000);
     axis.step(3'000);
-    // Seen within a tick, 40 UU; 40000²/(2 x 400000) = 2000 UU to brake; the load lags a little.
+    // Detected within a tick, 40 UU; 40000²/(2 x 400000) = 2000 UU to brake; the load lags a
+    // little.
     EXPECT_GT(sign * axis.actual(), 30'000);
     EXPECT_LT(sign * axis.actual(), 30'000 + 2'000 + 200);
     EXPECT_EQ(axis.demand_velocity(), 0);
@@ -210,8 +211,8 @@ TEST(SwitchPlaces, LetHomingFindASwitchWithoutAnyoneWhoSetsTheInput) {
   axis.command(0x001F);
   ASSERT_GT(axis.step_until_status(0x1400, 0x1400, 20'000), 0U);
   EXPECT_EQ(axis.read("digital_inputs"), 0);
-  // 0 of the machine is at 8000 now, less than the 6.8 UU of two ticks at 6099h:02 = 3413 UU/s: the
-  // switch is seen open in one tick, home is the reading of the next.
+  // Position 0 of the machine is now 8000 minus up to 6.8 UU, two ticks at 6099h:02 = 3413 UU/s:
+  // the switch is seen open in one tick, and home is the reading of the next.
   axis.write("op_mode_cmd", 1);
   axis.write("touch_probe_function", 0x0011);
   axis.command(0x000F);

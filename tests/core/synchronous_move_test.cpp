@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Synchronous move 5E10h: axes that start on one tick with the same times keep the proportions of
-// their displacements and arrive on one tick.
+// Synchronous move 5E10h: axes that start in the same tick with the same times keep the proportions
+// of their displacements and arrive in the same tick.
 #include "support/effort.hpp"
 #include "vdrive/axis_bank.hpp"
 #include "vdrive/cia402/statusword.hpp"
@@ -33,7 +33,7 @@ struct Times {
   std::uint32_t deceleration_us;
 };
 
-/// Enabled axes in profile position mode without torque or speed limits worth mentioning.
+/// Enabled axes in profile position mode, with torque and speed limits too high to matter.
 class Group {
  public:
   explicit Group(std::size_t count, microseconds period = microseconds{1000})
@@ -88,8 +88,8 @@ class Group {
   AxisBank bank_;
 };
 
-/// Largest distance of the demands from the straight line between starts and targets, on the axis
-/// that has the longest way taken as the measure.
+/// Largest distance of the demands from the straight line between starts and targets; the axis with
+/// the longest way gives the point on the line.
 double deviation(const Group& group, const std::vector<std::int32_t>& starts,
                  const std::vector<std::int32_t>& targets) {
   std::size_t longest = 0;
@@ -109,7 +109,8 @@ double deviation(const Group& group, const std::vector<std::int32_t>& starts,
   return worst;
 }
 
-/// Shortest triangle over `way` within 60C5h: way = a·(T/2)², some slack for the rounding to ticks.
+/// Shortest triangle over `way` within 60C5h: way = a·(T/2)², with some slack for the rounding to
+/// ticks.
 std::uint32_t shortest_us(double way) {
   return static_cast<std::uint32_t>(2.0e6 * std::sqrt(way / static_cast<double>(kUnlimited))) +
          4000U;
@@ -132,7 +133,7 @@ TEST(SynchronousMove, KeepsItsStraightLineWithinAUnitAndArrivesInOneTick) {
     for (int move = 0; move < kMovesOfABank; ++move) {
       SCOPED_TRACE("bank " + std::to_string(bank) + " of " + std::to_string(count) +
                    " axes, move " + std::to_string(move));
-      // Ways of every magnitude from 0 to 1e9 units, positions within ±1e9.
+      // Distances of every magnitude from 0 to 1e9 units, positions within ±1e9.
       const auto reach = static_cast<std::int64_t>(
           std::pow(10.0, std::uniform_real_distribution<double>(0.0, 9.0)(random)));
       std::vector<std::int32_t> starts(count);
@@ -145,9 +146,9 @@ TEST(SynchronousMove, KeepsItsStraightLineWithinAUnitAndArrivesInOneTick) {
       const std::uint32_t triangle = shortest_us(static_cast<double>(reach));
       const auto extra = static_cast<std::uint32_t>(uniform(0, 30'000));
       const Times times{triangle + extra, triangle / 2, triangle / 2};
-      group.start(targets, times, 0x3F);  // the axes themselves may lag behind the one before
+      group.start(targets, times, 0x3F);  // the axes may still lag from the previous move
 
-      // At rest again in the tick that completes the duration, all of them and not before.
+      // At rest again in the tick that completes the duration: all of them, and not earlier.
       const std::uint32_t ticks = (times.duration_us + 999) / 1000;
       for (std::uint32_t tick = 1; tick < ticks; ++tick) {
         group.bank().step();
@@ -162,7 +163,7 @@ TEST(SynchronousMove, KeepsItsStraightLineWithinAUnitAndArrivesInOneTick) {
   }
 }
 
-/// A line through 0 in the direction of whole units, so that points of it are exact.
+/// A line through 0 whose direction consists of whole units, so that points on it are exact.
 struct Direction {
   std::int32_t first;
   std::int32_t second;
@@ -172,23 +173,23 @@ struct Direction {
   }
 };
 
-/// Drives a line of two axes and turns to another target on it while they move.
+/// Drives two axes on a line and, while they move, turns to another target on it.
 class TurningLine {
  public:
   explicit TurningLine(std::uint64_t seed) : random_(seed) {
     for (std::size_t axis = 0; axis < 2; ++axis) {
-      group.write(axis, {0x6067, 0}, 4294967295);  // bit 10 without the window time
+      group.write(axis, {0x6067, 0}, 4294967295);  // bit 10 does not wait for the window time
     }
   }
 
-  /// Alike, so that a line that has to come back has done it within seconds.
+  /// Similar times, so that a line that must come back has done so within seconds.
   Times any_times() {
     const std::uint32_t up = uniform(100'000, 120'000);
     const std::uint32_t down = uniform(100'000, 120'000);
     return {up + down + uniform(0, 40'000), up, down};
   }
 
-  /// Starts the line to `targets` with any jerk time.
+  /// Starts the line to `targets` with a random jerk time.
   void start(const std::vector<std::int32_t>& targets, const Times& times,
              const std::vector<std::int32_t>& reference_ways) {
     const std::uint32_t most = std::min(times.acceleration_us, times.deceleration_us) / 2;
@@ -211,10 +212,11 @@ class TurningLine {
 };
 
 TEST(SynchronousMove, WithAReferenceWayStartsInMotionAndKeepsItsStraightLineWithinAUnit) {
-  // In multiples: at most 20000 /s, and 50000 /s where the acceleration has to end first; braked by
-  // at least 1e5 /s² for half a second, 20000 too far, and back at 9000 /s in 2 s.
+  // In multiples of the direction: at most 20000 /s, and 50000 /s if the acceleration must end
+  // first; braking with at least 1e5 /s² for half a second, 20000 too far, and back at 9000 /s in 2
+  // s.
   constexpr int kLongest = 10'000;        // ticks
-  constexpr double kUnit = 1.0 + 1.0e-6;  // with the last bits of the line
+  constexpr double kUnit = 1.0 + 1.0e-6;  // includes the last bits of the line
   for (int run = 0; run < kMovesOfABank; ++run) {
     SCOPED_TRACE("run " + std::to_string(run));
     TurningLine line(static_cast<std::uint64_t>(run));
@@ -232,7 +234,7 @@ TEST(SynchronousMove, WithAReferenceWayStartsInMotionAndKeepsItsStraightLineWith
     const std::uint32_t turn = line.uniform(1, first.duration_us / 1'000 - 1);
     for (std::uint32_t tick = 0; tick < turn; ++tick) group.bank().step();
 
-    // Further on, a stop before the end, inside of the stopping distance, and back.
+    // Further on, a stop before the end, inside the stopping distance, or back.
     const std::vector<std::int32_t> targets = direction.at(multiple(0, 6'000) - 2'000);
     line.start(targets, line.any_times(), direction.at(multiple(1'500, 2'000)));
     std::vector<int> arrivals(2, 0);
@@ -249,7 +251,7 @@ TEST(SynchronousMove, WithAReferenceWayStartsInMotionAndKeepsItsStraightLineWith
       ASSERT_EQ(group.bank().ignored_set_points(axis), 0U) << "axis " << axis;
       ASSERT_EQ(group.demand(axis), targets[axis]) << "axis " << axis;
     }
-    // The last bits of two plans may lie on both sides of a tick.
+    // The last bits of the two plans may fall on different sides of a tick.
     ASSERT_LE(std::abs(arrivals[0] - arrivals[1]), 1);
   }
 }
@@ -341,7 +343,7 @@ TEST_F(TwoAxes, TheTimesAreLatchedWithTheSetPoint) {
   EXPECT_EQ(group.bank().status(0).velocity_demand_value, 0);
 }
 
-/// A set-point that cannot be kept is not acknowledged, counted, and moves nothing.
+/// A set-point that cannot be kept is not acknowledged; it is counted and moves nothing.
 TEST_F(TwoAxes, TimesBeyondTheLimitsAreNotAccepted) {
   struct Row {
     const char* what;
@@ -391,8 +393,8 @@ TEST_F(TwoAxes, AMovingAxisDoesNotStartASynchronousMove) {
   EXPECT_EQ(group.bank().ignored_set_points(0), 1U);
 }
 
-// 6 UU in 10 s with ramps of 5 s: 1.2 UU/s and 0.24 UU/s². 606Bh shows 0 while less than 0.5 UU/s
-// is left, for 2083 ms, and 6062h shows the target while less than half a unit is, for
+// 6 UU in 10 s with ramps of 5 s: 1.2 UU/s and 0.24 UU/s². 606Bh shows 0 once less than 0.5 UU/s
+// remains, for 2083 ms, and 6062h shows the target once less than half a unit remains, for
 // sqrt(2·0.5/0.24) s = 2041 ms.
 TEST_F(TwoAxes, AnAxisThatShowsItsArrivalStartsASynchronousMove) {
   group.start({6, 6}, {10'000'000, 5'000'000, 5'000'000});
@@ -412,7 +414,7 @@ TEST_F(TwoAxes, AnAxisThatShowsItsArrivalStartsASynchronousMove) {
 }
 
 // 60000 UU in 700 ms with ramps of 100 ms: 100000 UU/s and 1e6 UU/s². After 300 ms the axis is at
-// 100000·(0.3 - 0.1/2) = 25000 and has its full speed.
+// 100000·(0.3 - 0.1/2) = 25000 at full speed.
 TEST_F(TwoAxes, AReferenceWayLetsItGoOnWithTheSpeedAndTheRampsOfThatWay) {
   constexpr Times kTimes{700'000, 100'000, 100'000};
   group.start({60'000, 20'000}, kTimes);
@@ -420,7 +422,7 @@ TEST_F(TwoAxes, AReferenceWayLetsItGoOnWithTheSpeedAndTheRampsOfThatWay) {
   ASSERT_EQ(group.demand(0), 25'000);
   refer({60'000, 20'000});
   group.start({120'000, 40'000}, kTimes, 0x3F);
-  // 95000 UU are left: 90000 at full speed in 900 ms, 5000 in the ramp of 100 ms.
+  // 95000 UU remain: 90000 at full speed in 900 ms, 5000 in the ramp of 100 ms.
   for (int tick = 0; tick < 900; ++tick) {
     group.bank().step();
     ASSERT_EQ(group.bank().status(0).velocity_demand_value, 100'000) << tick;
@@ -440,7 +442,7 @@ TEST_F(TwoAxes, AReferenceWayLetsItStopBeforeItsEnd) {
   for (int tick = 0; tick < 300; ++tick) group.bank().step();
   refer({60'000, 20'000});
   group.start({36'000, 12'000}, kTimes, 0x3F);
-  // 11000 UU are left: 6000 at full speed in 60 ms, 5000 in 100 ms.
+  // 11000 UU remain: 6000 at full speed in 60 ms, 5000 in 100 ms.
   for (int tick = 0; tick < 60; ++tick) group.bank().step();
   EXPECT_EQ(group.demand(0), 31'000);
   for (int tick = 60; tick < 159; ++tick) group.bank().step();
@@ -452,7 +454,7 @@ TEST_F(TwoAxes, AReferenceWayLetsItStopBeforeItsEnd) {
 
 TEST_F(TwoAxes, AReferenceWayFromRestGivesTheSameSpeedAndRamps) {
   refer({60'000, 20'000});
-  // A half of the reference way: ramps of 100 ms and 5000 UU, and 20000 UU in 200 ms between them.
+  // Half of the reference way: ramps of 100 ms and 5000 UU, and 20000 UU in 200 ms between them.
   group.start({30'000, 10'000}, {700'000, 100'000, 100'000});
   for (int tick = 0; tick < 200; ++tick) group.bank().step();
   EXPECT_EQ(group.bank().status(0).velocity_demand_value, 100'000);
@@ -464,7 +466,7 @@ TEST_F(TwoAxes, AReferenceWayFromRestGivesTheSameSpeedAndRamps) {
 }
 
 TEST_F(TwoAxes, AReferenceWayBeyondTheLimitsIsNotAccepted) {
-  // 60000 UU: 100000 UU/s in 100 ms, 1e6 UU/s². The way itself, 6 UU, would need 100 UU/s².
+  // 60000 UU: 100000 UU/s in 100 ms, 1e6 UU/s². The 6 UU of the move alone would need 100 UU/s².
   for (const std::int64_t limit : {999'999, 1'000'001}) {
     Group fresh(1);
     fresh.write(0, {0x60C5, 0}, limit);
@@ -479,7 +481,7 @@ TEST_F(TwoAxes, HaltAndResumeBehindAStartInMotionStayOnTheStraightLine) {
   const std::vector<std::int32_t> starts{0, 0};
   const std::vector<std::int32_t> targets{180'000, -60'000};
   group.start({90'000, -30'000}, {900'000, 200'000, 300'000});
-  for (int tick = 0; tick < 120; ++tick) group.bank().step();  // the first ramp is not over
+  for (int tick = 0; tick < 120; ++tick) group.bank().step();  // within the first ramp
   refer({90'000, 30'000});
   group.start(targets, {900'000, 200'000, 300'000}, 0x3F);
   for (int tick = 0; tick < 300; ++tick) group.bank().step();
@@ -514,7 +516,7 @@ TEST_F(TwoAxes, TheJerkTimeRoundsBothRampsAndLeavesThePeak) {
   group.write(0, kJerkTime, 50'000);
   group.write(1, kJerkTime, 50'000);
   // 60000 UU in 700 ms with ramps of 100 ms: 60000 / (0.7 - 0.1) s = 100000 UU/s. The acceleration
-  // grows for 50 ms to 100000 / (0.1 - 0.05) = 2e6 UU/s², by 4e7 UU/s³, and shrinks for 50 ms.
+  // grows for 50 ms to 100000 / (0.1 - 0.05) = 2e6 UU/s², with 4e7 UU/s³, and falls for 50 ms.
   group.start({60'000, 20'000}, {700'000, 100'000, 100'000});
   for (int tick = 0; tick < 20; ++tick) group.bank().step();
   EXPECT_EQ(group.bank().status(0).velocity_demand_value, 8'000);  // 4e7·0.02²/2
@@ -538,7 +540,7 @@ TEST_F(TwoAxes, HaltAndResumeWithAJerkTimeStayOnTheStraightLine) {
   const std::vector<std::int32_t> starts{0, 0};
   const std::vector<std::int32_t> targets{90'000, -30'000};
   group.start(targets, {900'000, 200'000, 300'000});
-  for (int tick = 0; tick < 120; ++tick) group.bank().step();  // the first ramp is not over
+  for (int tick = 0; tick < 120; ++tick) group.bank().step();  // within the first ramp
   group.command(0x010F);
   for (int tick = 0; tick < 600; ++tick) {
     group.bank().step();
@@ -565,7 +567,8 @@ TEST_F(TwoAxes, AJerkTimeThatARampHasNoRoomForIsNotAccepted) {
 }
 
 TEST_F(TwoAxes, AJerkTimeNeedsMoreAcceleration) {
-  // 100000 UU/s in 100 ms: 1e6 UU/s² at once, 100000 / (0.1 - 0.02) = 1.25e6 UU/s² with 20 ms.
+  // 100000 UU/s in 100 ms: 1e6 UU/s² without a jerk time, 100000 / (0.1 - 0.02) = 1.25e6 UU/s² with
+  // 20 ms.
   for (const std::int64_t limit : {1'249'999, 1'250'001}) {
     Group fresh(1);
     fresh.write(0, {0x60C5, 0}, limit);

@@ -10,7 +10,7 @@ using namespace std::chrono_literals;
 
 constexpr std::chrono::nanoseconds kBegin = 1h;
 
-/// @return how many tokens there are.
+/// @return the number of tokens in the bucket, all of which it takes.
 int empty(TokenBucket& bucket) {
   int taken = 0;
   while (bucket.take()) ++taken;

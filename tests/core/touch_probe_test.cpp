@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Touch probes: 60B8h to 60BDh, 60D0h to 60D8h. What is expected follows from CiA 402-2 (function
+// Touch probes: 60B8h to 60BDh, 60D0h to 60D8h. Expected values follow from CiA 402-2 (function
 // group touch probe) and, where it leaves a choice, from docs/explanation/decisions.md.
 #include "core/support/axis_under_test.hpp"
 #include "vdrive/axis_bank.hpp"
@@ -20,7 +20,7 @@ namespace {
 
 using test::AxisUnderTest;
 
-// 60B8h of probe 1; probe 2 has them 8 places higher.
+// 60B8h of probe 1; the bits of probe 2 are 8 places higher.
 constexpr std::int64_t kOn = 0x0001;
 constexpr std::int64_t kContinuous = 0x0002;
 constexpr std::int64_t kOnIndex = 0x0004;   // source 01b
@@ -36,10 +36,10 @@ constexpr std::int64_t kFallingStored = 0x0004;
 constexpr std::int64_t kTick_ns = 1'000'000;
 constexpr std::int64_t kSubstep_ns = 125'000;  // 8 kHz
 
-/// 5.12 UU in a sub-step, 40.96 UU in a tick.
+/// 5.12 UU per sub-step, 40.96 UU per tick.
 constexpr std::int32_t kProbeSpeed = 40'960;
 
-/// Turns at `velocity` in profile velocity; long behind the ramp.
+/// Turns at `velocity` in profile velocity, long after the ramp.
 void turn_steadily(AxisUnderTest& axis, std::int32_t velocity) {
   axis.write("op_mode_cmd", 3);
   axis.command(0x000F);
@@ -47,7 +47,8 @@ void turn_steadily(AxisUnderTest& axis, std::int32_t velocity) {
   axis.step(1'500);
 }
 
-/// A home switch that becomes active at `place` for an axis that comes in the direction `sign`.
+/// Puts a home switch where it becomes active at `place` for an axis that moves in the direction
+/// `sign`.
 void place_home_switch(AxisUnderTest& axis, std::int32_t place, int sign) {
   constexpr std::int32_t kLength = 1'000;
   axis.write("test_switch_home", sign > 0 ? place : place - kLength);
@@ -58,12 +59,12 @@ std::int64_t probe_status(const AxisUnderTest& axis) {
   return axis.read("touch_probe_status");
 }
 
-/// Time of the last tick [ns], as a time stamp shows it.
+/// Time of the last tick [ns], in the form of a time stamp.
 std::int64_t time_now(const AxisUnderTest& axis) {
   return static_cast<std::uint32_t>(axis.ticks() * static_cast<std::uint64_t>(kTick_ns));
 }
 
-/// What probe 1 has latched.
+/// The values that probe 1 has latched.
 struct Latched {
   std::int64_t position;
   std::int64_t time;
@@ -82,7 +83,7 @@ Latched falling_edge(const AxisUnderTest& axis) {
           axis.read("touch_probe_1_negative_edge_counter")};
 }
 
-/// Writes an input of the test bench and runs the tick in which it is in force.
+/// Writes a test bench input and runs the tick in which it takes effect.
 void set_input(AxisUnderTest& axis, std::string_view input, std::int64_t value) {
   axis.write(input, value);
   axis.step();
@@ -114,7 +115,7 @@ TEST(TouchProbe, LatchesPositionAndTimeAtTheSubstepOfTheEdge) {
           50);
       ASSERT_GT(ticks, 0U) << "the switch is passed";
       const Latched edge = rising_edge(axis);
-      // The first sub-step beyond the switch: 40960 UU/s x 125 us = 5.12 UU behind it at most.
+      // The first sub-step beyond the switch: at most 40960 UU/s x 125 us = 5.12 UU beyond it.
       EXPECT_GE(sign * (edge.position - place), 0);
       EXPECT_LE(sign * (edge.position - place), 6);
       const std::int64_t start = time_now(axis) - kTick_ns;
@@ -142,7 +143,7 @@ TEST(TouchProbe, LatchesBothEdgesOfASwitchThatIsNarrowerThanATick) {
   const Latched falling = falling_edge(axis);
   EXPECT_NEAR(static_cast<double>(rising.position), place + 2.5, 3.5);
   EXPECT_NEAR(static_cast<double>(falling.position), place + 20 + 2.5, 3.5);
-  // 20 UU at 5.12 UU a sub-step: 3.9 sub-steps.
+  // 20 UU at 5.12 UU per sub-step: 3.9 sub-steps.
   EXPECT_NEAR(static_cast<double>(falling.time - rising.time), 3.9 * kSubstep_ns, kSubstep_ns);
 }
 
@@ -153,7 +154,7 @@ TEST(TouchProbe, LatchesTheIndexPulseOfTheMotorOnceARevolution) {
     axis.write("touch_probe_function", kOn | kContinuous | kOnIndex | kRising | kFalling);
     for (int revolution = 0; revolution < 5; ++revolution) {
       const std::int64_t count = rising_edge(axis).count;
-      // 4096 UU at 40.96 UU a tick: 100 ticks.
+      // 4096 UU at 40.96 UU per tick: 100 ticks.
       ASSERT_GT(axis.step_until(
                     [&axis, count] {
                       return rising_edge(axis).count != count;
@@ -162,7 +163,7 @@ TEST(TouchProbe, LatchesTheIndexPulseOfTheMotorOnceARevolution) {
                 0U);
       const Latched edge = rising_edge(axis);
       EXPECT_EQ(edge.count, count + 1);
-      // Pulses lie at the multiples of 4096 UU; seen by the first sub-step behind them.
+      // Pulses are at the multiples of 4096 UU; they are seen in the first sub-step beyond them.
       const std::int64_t behind = sign * edge.position % 4'096;
       EXPECT_GE(behind, 0);
       EXPECT_LE(behind, 6);
@@ -173,7 +174,8 @@ TEST(TouchProbe, LatchesTheIndexPulseOfTheMotorOnceARevolution) {
 }
 
 TEST(TouchProbe, TakesTheIndexPulseWhereHomingFindsIt) {
-  // Homing by method 34: to the next index pulse in positive direction, which becomes 607Ch = 500.
+  // Homing with method 34: to the next index pulse in positive direction, which becomes 607Ch =
+  // 500.
   AxisUnderTest axis;
   axis.write("home_offset", 500);
   axis.write("homing_method", 34);
@@ -219,7 +221,8 @@ TEST(TouchProbe, DatesAWrittenEdgeAtTheStartOfItsTick) {
 }
 
 TEST(TouchProbe, CountsTheTimeOfTicksThatAreLeftOut) {
-  // Without power and motion the ticks of an axis are not computed, and the probe need not look.
+  // While an axis has no power and does not move, its ticks are not computed, and the probe need
+  // not look.
   AxisUnderTest axis;
   axis.write("touch_probe_function", kOn | kRising);
   axis.step(10'000);
@@ -632,8 +635,8 @@ std::int64_t get_object(const AxisBank& bank, std::size_t axis, std::string_view
   return bank.read(axis, AxisUnderTest::address_of(name)).value;
 }
 
-/// Ten axes, more than a block has: each the second an elastic one, all in motion, their profiles
-/// with borders between segments at different times.
+/// Ten axes, more than fit in a block: every second one elastic, all in motion, with borders
+/// between profile segments at different times.
 AxisBank moving_bank() {
   std::vector<AxisConfiguration> axes(10);
   for (std::size_t axis = 0; axis < axes.size(); axis += 2) {

@@ -21,7 +21,7 @@ using test::Random;
 constexpr std::uint16_t kRunRamp = 0x007F;  // enable operation with bits 4, 5 and 6
 constexpr std::int32_t kSpeedOf300 = 20'480;
 
-/// Ramps that cannot be confused. [UU/s a tick of 1 ms]: 6048h 102.4, 6049h 204.8, 604Ah 409.6,
+/// Ramps that cannot be confused [UU/s per tick of 1 ms]: 6048h 102.4, 6049h 204.8, 604Ah 409.6,
 /// 6084h 50, 6085h 100, 60C6h 800.
 void set_vl_ramps(AxisUnderTest& axis) {
   axis.write("vl_acceleration_delta_speed", 1'500);
@@ -33,7 +33,7 @@ void set_vl_ramps(AxisUnderTest& axis) {
   axis.write("app_dec_limit", 800'000);
 }
 
-/// Loss of the demand in ten ticks by an option code of 605Ah, 605Dh or 605Eh.
+/// Loss of the demand in ten ticks for an option code of 605Ah, 605Dh or 605Eh.
 std::int32_t loss_by_option(std::int64_t option) {
   constexpr std::array<std::int32_t, 5> kLosses{0, 2'048, 4'096, 8'000, 8'000};
   return kLosses.at(static_cast<std::size_t>(option));
@@ -44,7 +44,7 @@ void enable_vl(AxisUnderTest& axis) {
   axis.command(0x000F);
 }
 
-/// At 300 rpm in one of the directions.
+/// Turning at 300 rpm in either direction.
 void turn_at_300(AxisUnderTest& axis, int sign = 1) {
   set_vl_ramps(axis);
   enable_vl(axis);
@@ -90,7 +90,7 @@ TEST(VelocityMode, SlowsDownWith6049hAndReversesThroughBothRamps) {
   EXPECT_EQ(axis.demand_velocity(), -1'024);
 }
 
-/// With the same ramps and speeds both modes are one motion, to the bit.
+/// With the same ramps and speeds the motions of both modes are identical to the bit.
 TEST(VelocityMode, MovesAsProfileVelocityDoesInItsOwnUnits) {
   AxisUnderTest vl;
   AxisUnderTest pv;
@@ -103,7 +103,7 @@ TEST(VelocityMode, MovesAsProfileVelocityDoesInItsOwnUnits) {
   pv.command(0x000F);
   for (const std::int64_t rpm : {300, 150, -600, 0, 15}) {
     vl.write("vl_target_velocity", rpm);
-    pv.write("target_velocity", rpm * 4'096 / 60);  // whole for each of them
+    pv.write("target_velocity", rpm * 4'096 / 60);  // a whole number for each of them
     for (int tick = 0; tick < 300; ++tick) {
       vl.step();
       pv.step();
@@ -122,7 +122,7 @@ TEST(VelocityMode, RampsAreQuotientsWithin60C5hAnd60C6hAndLive) {
   axis.command(kRunRamp);
   axis.step(99);
   ASSERT_EQ(axis.demand_velocity(), 10'240);
-  axis.write("vl_acceleration_delta_time", 2);  // 750 rpm/s: 51.2 UU/s a tick
+  axis.write("vl_acceleration_delta_time", 2);  // 750 rpm/s: 51.2 UU/s per tick
   axis.step(100);
   EXPECT_EQ(axis.demand_velocity(), 15'360);
   axis.write("app_acc_limit", 10'000);
@@ -218,7 +218,7 @@ TEST(VelocityMode, AFactorOf0AndATimeOf0AreRefused) {
 TEST(VelocityMode, ObjectsOfFrequencyConvertersDoNotExist) {
   AxisUnderTest axis;
   // 6045h control effort, 6047h limits by sign, 604Dh pole number, 604Eh reference, 604Fh to 6051h
-  // times of ramps, 6052h to 6059h percentages.
+  // ramp times, 6052h to 6059h percentages.
   for (const unsigned index :
        {0x6045U, 0x6047U, 0x604DU, 0x604EU, 0x604FU, 0x6050U, 0x6051U, 0x6052U, 0x6053U, 0x6054U,
         0x6055U, 0x6056U, 0x6057U, 0x6058U, 0x6059U}) {
@@ -254,7 +254,7 @@ TEST_P(VelocityRampBits, DecideOnTheRamp) {
   }
 }
 
-// Halt by 605Dh = 1 brakes with 6049h: 2048 in ten ticks, where bit 4 = 0 alone has 604Ah.
+// Halt with 605Dh = 1 brakes with 6049h: 2048 in ten ticks; bit 4 = 0 alone uses 604Ah.
 const std::array<RampBits, 12> kRampBits{{
     {"all", 0x007F, 0},
     {"without_enable", 0x006F, 4'096},
@@ -430,7 +430,7 @@ TEST(VelocityMode, Bit10ShowsTheInputOfTheRampIn606DhFor606Eh) {
   for (int i = 0; i < 600; ++i) {
     axis.step();
     inside = std::abs(axis.velocity() - kSpeedOf300) <= 500 ? inside + 1 : 0;
-    // It has lasted for longer than 30 ms with the 31st tick.
+    // In the 31st tick it has lasted for longer than 30 ms.
     ASSERT_EQ(axis.reached(), inside > 30) << i;
     rose = rose || axis.reached();
   }
@@ -502,7 +502,7 @@ TEST(VelocityMode, AModeChangeBrakesWith604AhAtALimitSwitch) {
 // -----------------------------------------------------------------------------------
 
 /// Any target, ramp, word or limit at any time: the demand never changes by more than the steepest
-/// ramp of the tick allows, 60C6h.
+/// ramp of the tick, 60C6h, allows.
 TEST(VelocityMode, TheDemandNeverStepsInRandomSequences) {
   const std::uint64_t rounds = test::case_count(30, 2'000);
   constexpr std::array<std::uint16_t, 8> kWords{0x7F, 0x7F, 0x7F, 0x6F, 0x5F, 0x3F, 0x0F, 0x017F};

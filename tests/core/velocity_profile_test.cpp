@@ -32,7 +32,7 @@ double least_time(double from, double to, const MotionLimits& limits) {
   return slower / limits.deceleration + faster / limits.acceleration;
 }
 
-/// When the profile's last change of velocity ends.
+/// The time at which the profile's last change of velocity ends.
 double change_time(const Profile& profile) {
   const std::size_t count = profile.segment_count();
   if (count == 0) return 0.0;
@@ -82,7 +82,7 @@ TEST(PlanVelocity, SlowsDownWithTheDeceleration) {
 TEST(PlanVelocity, ReversesWithBothRamps) {
   const Profile profile = plan_velocity(
       {0.0, 60.0}, -20.0, {.velocity = 200.0, .acceleration = 10.0, .deceleration = 30.0});
-  // 60/30 = 2 s to rest at 60, 20/10 = 2 s to -20 back at 40.
+  // 60/30 = 2 s to rest at 60, then 20/10 = 2 s back to -20 at 40.
   EXPECT_DOUBLE_EQ(profile.at(2.0).velocity, 0.0);
   EXPECT_DOUBLE_EQ(profile.at(2.0).position, 60.0);
   EXPECT_DOUBLE_EQ(profile.at(4.0).velocity, -20.0);
@@ -110,7 +110,7 @@ TEST(PlanVelocity, TheSlowestVelocityRunsWithoutEnd) {
     const Profile profile = plan_velocity(
         {0.0, 0.0}, target, {.velocity = 10.0, .acceleration = 1.0, .deceleration = 1.0});
     EXPECT_EQ(profile.at(1.0e6).velocity, target);
-    // From rest v²/2 = v·t/2 less than at full speed all the way.
+    // From rest the position is v²/2 = v·t/2 behind that at full speed all the way.
     EXPECT_NEAR(profile.at(1.0e6).position, target * 1.0e6 - 0.5 * target * std::abs(target), 1e-6);
   }
 }
@@ -174,7 +174,7 @@ void expect_properties(const VelocityCase& c) {
   const double late = profile.at(2.0 * time + 1.0).velocity;
   ASSERT_NEAR(late, goal, 1e-9 * std::abs(goal));
 
-  // Continuity: each piece starts where the one before has ended.
+  // Continuity: each piece starts where the previous one ended.
   MotionState end = c.start;
   double start_time = 0.0;
   for (std::size_t i = 0; i < profile.segment_count(); ++i) {
@@ -188,7 +188,7 @@ void expect_properties(const VelocityCase& c) {
                 std::abs(segment.acceleration) == c.limits.deceleration);
     if (std::isinf(segment.end_time)) break;
     const MotionSample last = sample(segment, segment.end_time);
-    // It slows down with the one and speeds up with the other acceleration.
+    // It slows down with one acceleration and speeds up with the other.
     const bool slows = std::abs(last.velocity) < std::abs(first.velocity);
     ASSERT_EQ(std::abs(segment.acceleration),
               slows ? c.limits.deceleration : c.limits.acceleration);
@@ -196,7 +196,7 @@ void expect_properties(const VelocityCase& c) {
     start_time = segment.end_time;
   }
 
-  // Between start and goal, never beyond either.
+  // Always between start and goal.
   const double low = std::min(c.start.velocity, goal);
   const double high = std::max(c.start.velocity, goal);
   for (int i = 0; i <= 8; ++i) {

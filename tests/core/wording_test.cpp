@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Numbers of things; "did you mean": what is near enough, and what is not; numbers within limits.
+// Counted nouns; "did you mean": names that are near enough and names that are not; numbers within
+// limits.
 #include "vdrive/wording.hpp"
 
 #include <gtest/gtest.h>

@@ -210,7 +210,7 @@ TEST(AbortCode, EveryCodeOfCiA301HasItsOwnText) {
   EXPECT_EQ(describe(AbortCode{1}), "unknown abort code");
 }
 
-// CiA 402-2: bits 4 to 6 of the controlword, 12 and 13 of the statusword are the mode's.
+// CiA 402-2: bits 4 to 6 of the controlword and bits 12 and 13 of the statusword are mode-specific.
 TEST(BitNames, AreThoseOfTheMode) {
   EXPECT_EQ(controlword_bit_name(0x0010, OperatingMode::profile_position), "new set-point");
   EXPECT_EQ(controlword_bit_name(0x0010, OperatingMode::homing), "start homing");
@@ -237,7 +237,7 @@ TEST(BitNames, AreTheSameInEveryModeForTheBitsOfTheState) {
   }
 }
 
-// CiA 402-2: negative numbers are the manufacturer's; the drive has no mode of its own.
+// CiA 402-2: negative numbers are manufacturer-specific; the drive has no such mode.
 TEST(OperatingModes, HaveANameAndTheBitsOfAllModesWhereTheyHaveNoRow) {
   constexpr auto kForeign = static_cast<OperatingMode>(-1);
   EXPECT_EQ(to_string(kForeign), "unknown");

@@ -7,7 +7,7 @@
 
 namespace vdrive::test {
 
-/// The largest sum under linear bounds: maximizes objective·z over all z in [-1, 1] with row·z <=
+/// The largest sum under linear bounds: maximises objective·z over all z in [-1, 1] with row·z <=
 /// bound.
 ///
 /// `solve` is a dual simplex: it starts at the corner of the box with the largest objective, and
