@@ -13,13 +13,13 @@
 namespace vdrive::simulation {
 namespace {
 
-constexpr std::uint64_t kSabotageFrom = 200;  // [ticks], when axes are enabled and move
+constexpr std::uint64_t kSabotageFrom = 200;  // [ticks], when axes are enabled and moving
 constexpr std::uint64_t kRepeatEach = 1'009;  // [ticks]
 constexpr int kRepeatedTicks = 20;
-constexpr std::size_t kEncoderFailure = 4;  // of the inputs from 5E00h on
-constexpr unsigned kCountedBack = 5'000;    // more edges than 16 ticks may have
+constexpr std::size_t kEncoderFailure = 4;  // index among the inputs from 5E00h on
+constexpr unsigned kCountedBack = 5'000;    // more edges than 16 ticks can have
 
-/// The configuration as a broken service uses it.
+/// The configuration as a broken service would use it.
 service::Configuration as_taken(service::Configuration configuration, Sabotage sabotage) {
   if (sabotage == Sabotage::watchdog_bites_early) {
     configuration.watchdog = *configuration.watchdog / 2;
@@ -85,7 +85,8 @@ void Bench::receive(const ClientMessage& message) {
   }
 }
 
-/// The bench takes messages in the order of their arrival: a message that left the inbox was taken.
+/// The bench takes messages in the order of their arrival: a message that has left the inbox was
+/// taken.
 void Bench::count_arrivals() {
   while (in_inbox_.size() > inbox_.size()) {
     std::visit(
@@ -97,7 +98,7 @@ void Bench::count_arrivals() {
   }
 }
 
-/// The state directory as a starting service finds it.
+/// The state directory as a service finds it at its start.
 void Bench::start_storage() {
   if (storage_ == nullptr) return;
   if (sabotage_ == Sabotage::syncs_nothing) storage_->disk.lie();
@@ -151,7 +152,7 @@ void Bench::save() {
                                           : StoreModel::Outcome::refused);
 }
 
-/// The number of orders that the engine has taken back, which it must do in small groups.
+/// Checks the number of orders that the engine has taken back; it must do so in small groups.
 void Bench::take_back_stores() {
   constexpr std::uint64_t kMostIdle = 3;
   if (!saver_) return;
@@ -183,7 +184,7 @@ void Bench::cycle(const Mail& mail) {
     if (realtime_) {
       realtime_->cycle();
     } else {
-      // Not faster than images are published, so that each tick is observed.
+      // Not faster than images are published, so that every tick is observed.
       constexpr std::chrono::microseconds kStatus{service::FreerunDriver::kStatusInterval};
       time_.wait_until(std::chrono::nanoseconds{time_.now} +
                        std::max(configuration_.period, kStatus));
@@ -208,7 +209,7 @@ void Bench::cycle(const Mail& mail) {
   take_answers(mail);
 }
 
-/// As the driver of that clock: requests in their order, steps at once.
+/// Works as the lock-step driver: requests in their order, steps immediately.
 void Bench::cycle_lockstep() {
   static_cast<void>(engine_.answer_stores());
   take_back_stores();
@@ -230,7 +231,7 @@ void Bench::cycle_lockstep() {
 void Bench::step_by_request(service::Arrival& arrival) {
   service::StepRequests& steps = engine_.steps();
   const service::StepRequests::Time now{};
-  const msg::Request request = arrival.request;  // a step that waits takes it
+  const msg::Request request = arrival.request;  // a waiting step takes it
   const bool is_repeat = !steps.handle(arrival, now);
   if (is_repeat != model_.is_repeat(request)) {
     happenings_.fail(Invariant::kAnswered, 0, is_repeat ? "a step that is new" : "a repeated step",
@@ -251,12 +252,12 @@ void Bench::step_by_request(service::Arrival& arrival) {
     engine_.queue_status();
     after_tick();
   }
-  steps.answer_due(service::StepRequests::Time::max());  // nobody waits longer
+  steps.answer_due(service::StepRequests::Time::max());  // nobody waits any longer
   model_.expect_step_answer(request,
                             has_frames ? msg::Reason::none : msg::Reason::missing_commands);
 }
 
-/// Compares the published tick with the expectations of model and watches.
+/// Compares the published tick with the expectations of the model and the watches.
 void Bench::after_tick() {
   happenings_.next_tick();
   model_.begin_tick();
@@ -289,7 +290,7 @@ void Bench::after_tick() {
   model_.end_tick(image_.status);
 }
 
-/// Of one axis in each tick: all of them would take as long as the tick.
+/// Checks one axis in each tick: checking all would take as long as the tick.
 void Bench::look_at_probes() {
   if (model_.was_restored()) {
     for (ProbeWatch& probe : probes_) probe.begin();
@@ -302,8 +303,8 @@ void Bench::look_at_probes() {
   probes_[axis].check(look, probes_.size(), happenings_);
 }
 
-/// A copy of the axes takes a snapshot, runs, is restored from the bytes of the snapshot and runs
-/// again.
+/// A copy of the axes takes a snapshot and runs, then is restored from the bytes of the snapshot
+/// and runs again.
 void Bench::check_repeat() {
   AxisBank axes = engine_.bank();
   const AxisBank::Snapshot before = axes.snapshot();
@@ -345,7 +346,7 @@ void Bench::take_events() {
   model_.check_events();
 }
 
-/// Parameters are those of the tick: nothing has arrived since.
+/// Parameters belong to the current tick: nothing has arrived since.
 void Bench::take_parameters() {
   while (const msg::AxisParameters* const parameters = outbox_.parameters.front()) {
     if (parameters->tick == model_.tick()) model_.check(*parameters);
@@ -411,7 +412,7 @@ void Bench::enable_unrequested() {
   inbox_.receive(request, {});
 }
 
-/// @return whether the message reached the engine otherwise than it was sent.
+/// @return whether the engine received the message in a different form than it was sent.
 bool Bench::spoil(const ClientMessage& message) {
   const auto* const sent = std::get_if<msg::CommandFrame>(&message);
   if (sabotage_ == Sabotage::none || sent == nullptr) return false;
@@ -438,7 +439,7 @@ bool Bench::spoil(const ClientMessage& message) {
   return true;
 }
 
-/// Changes the image of the first axis that is in the required state.
+/// Changes in the image the first axis that is in the required state.
 void Bench::spoil(service::StatusImage& image) {
   for (std::size_t axis = 0; axis < image.status.size(); ++axis) {
     AxisStatus& status = image.status[axis];

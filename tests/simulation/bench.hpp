@@ -26,7 +26,7 @@
 
 namespace vdrive::simulation {
 
-/// The faults of a broken service; the checks must detect each.
+/// The faults of a broken service; the checks must detect each of them.
 enum class Sabotage : std::uint8_t {
   none,
   motion_without_power,
@@ -54,12 +54,12 @@ enum class Sabotage : std::uint8_t {
   syncs_nothing,
 };
 
-/// Time of the simulation, which passes only when the bench waits for it.
+/// Simulated time; it passes only while the bench waits for it.
 class SimulatedTime final : public service::CycleTimer {
  public:
   static constexpr std::int64_t kWall = 1'000'000 * std::int64_t{1'000'000'000};
 
-  /// Called with the present time before the bench reads what arrived.
+  /// `wake` is called with the current time before the bench reads the messages that have arrived.
   void on_wake(std::function<void(std::int64_t)> wake) { wake_ = std::move(wake); }
 
   [[nodiscard]] std::chrono::nanoseconds monotonic_now() noexcept override {
@@ -77,29 +77,29 @@ class SimulatedTime final : public service::CycleTimer {
   }
 
   std::int64_t now = 0;
-  std::int64_t late = 0;  ///< the next wait returns this much after its time
+  std::int64_t late = 0;  ///< the next wait returns late by this much
 
  private:
   std::function<void(std::int64_t)> wake_;
 };
 
-/// What outlasts the service: the disk of its host, and its required content.
+/// Everything that outlasts the service: the disk of its host, and the content that it must have.
 struct Storage {
   explicit Storage(std::uint64_t seed) : disk(seed), random(seed ^ 1U) {}
 
   Disk disk;
   StoreModel model;
-  Random random;  ///< of the times at which the saver is run
+  Random random;  ///< for the times at which the saver runs
 };
 
-/// The messages of the bench to its clients.
+/// Where the messages of the bench to its clients go.
 struct Mail {
   std::function<void(const msg::Reply&)> reply;
   std::function<void(const msg::CommandReply&)> command_reply;
 };
 
-/// One run of the service, from its start to its end: the real engine with the real driver of its
-/// clock, its model, and the watches of its axes.
+/// One run of the service from start to end: the real engine with the real driver of its clock, its
+/// model, and the watches of its axes.
 class Bench {
  public:
   Bench(const service::Configuration& configuration, const std::vector<test::DrawnAxis>& axes,
@@ -109,11 +109,11 @@ class Bench {
   /// Puts the message into the inbox, as the network does.
   void receive(const ClientMessage& message);
 
-  /// One cycle of the driver, and the checks of its result. Nothing when the service ended in
-  /// a save.
+  /// Runs one cycle of the driver and checks its result. Does nothing if the service ended in a
+  /// save.
   void cycle(const Mail& mail);
 
-  /// Answers do not leave before `until`.
+  /// Holds answers back until `until`.
   void hold_answers(std::int64_t until) { answers_held_until_ = until; }
 
   [[nodiscard]] ControlModel& model() { return model_; }
@@ -158,7 +158,7 @@ class Bench {
   service::Counters counters_;
   test::LocalInbox inbox_;
   service::Outbox outbox_;
-  service::Configuration as_started_;  ///< with what was stored
+  service::Configuration as_started_;  ///< including the stored parameters
   std::optional<service::ParameterSaver> saver_;
   StoredSet loaded_;
   service::BenchEngine engine_;

@@ -28,7 +28,7 @@ constexpr std::uint16_t kHaltOfOther = 0x010F;
 constexpr std::uint16_t kQuickStop = 0x0002;
 constexpr std::size_t kMostWaiting = 1'024;
 constexpr std::size_t kMostSnapshots = 16;
-constexpr std::uint64_t kMostOverlooked = 1'024;  // numbers below the highest one
+constexpr std::uint64_t kMostOverlooked = 1'024;  // numbers below the highest
 constexpr std::size_t kMostKept = 1'024;          // answers
 constexpr std::ptrdiff_t kMostKeptOfOne = 128;
 constexpr std::array<std::uint16_t, 10> kCommandObjects{0x6040, 0x6042, 0x6060, 0x6071, 0x607A,
@@ -49,7 +49,7 @@ bool is_test_input(std::uint16_t index) {
   return index >= 0x5E00 && index <= 0x5E0A;
 }
 
-/// What the actors request is one of these.
+/// The requests of the actors get one of these reasons.
 msg::Reason verdict(ObjectAddress address, std::int64_t value, bool is_modulo) {
   constexpr std::int64_t kHighestOption = 2;  // of 60F2h on an axis without a range
   switch (address.index) {
@@ -124,7 +124,8 @@ void ControlModel::store_with(StoreModel& stores, const StoredSet& loaded) {
   }
 }
 
-/// Registers have what is stored or their defaults. Test-bench inputs do not belong to the drive.
+/// The registers get their stored values or their defaults. Test bench inputs are not part of the
+/// drive.
 void ControlModel::power_up(Axis& axis) {
   const StoredValues values = axis.memory.value_or(StoredValues{});
   from_memory_.insert(values.stamp);
@@ -175,7 +176,7 @@ void ControlModel::expect_event(msg::EventKind kind, std::uint64_t session) {
   ++events_[{kind, session}];
 }
 
-/// The time-out of a master is wall time, so its number of ticks grows with the rate.
+/// The time-out of a master is wall time, so the number of ticks grows with the rate.
 void ControlModel::count_watchdog() {
   const auto watchdog = effective_watchdog(configuration_);
   if (watchdog) {
@@ -278,7 +279,7 @@ bool ControlModel::Numbers::has_forgotten(std::uint64_t number) const {
   return number <= highest && highest - number >= kMostOverlooked;
 }
 
-/// The oldest answer is dropped first, but no sender uses all the room.
+/// The oldest answer is dropped first, but no sender may use up all the room.
 template <typename Kept>
 void ControlModel::keep(std::deque<Kept>& memory, const Kept& answer) {
   const auto is_of_the_same = [&](const Kept& other) {
@@ -327,7 +328,7 @@ bool ControlModel::is_waiting(const msg::CommandFrame& frame) const {
   });
 }
 
-/// The first answer is known only after its check.
+/// The first answer is known only after it has been checked.
 bool ControlModel::is_repeat(const msg::CommandFrame& frame) {
   Numbers& numbers = frames_[frame.session];
   const std::uint64_t number = frame.sequence_number;
@@ -604,7 +605,7 @@ msg::Reason ControlModel::carry_out(const msg::Request& request, Answer& answer)
   }
 }
 
-/// The first axis that a refusal names, and its owner.
+/// Names the first axis of a refusal, and its owner.
 void ControlModel::name_axis(std::uint16_t number, Answer& answer) {
   if (answer.refused_axis == 0) {
     answer.refused_axis = number;
@@ -646,7 +647,7 @@ msg::Reason ControlModel::write_objects(const msg::Request& request, Answer& ans
   return reason;
 }
 
-/// By a session that does not own the axis: only the stop acts.
+/// A stop by a session that does not own the axis: only the stop takes effect.
 void ControlModel::stop(Axis& axis, std::uint16_t number, bool by_halt) {
   const std::uint16_t present = axis.registers.controlword;
   const auto word = by_halt ? static_cast<std::uint16_t>(present | kHalt) : kQuickStop;
@@ -707,7 +708,7 @@ msg::Reason ControlModel::store_by_write(Axis& axis, const msg::ObjectAccess& ob
   return msg::Reason::none;
 }
 
-/// Stores the present values of the registers.
+/// Stores the current values of the registers.
 void ControlModel::order(const Axis& axis, bool forget, std::size_t object) {
   StoreModel::Order order;
   order.request = last_storing_;
@@ -878,7 +879,7 @@ void ControlModel::check(const msg::CommandReply& reply) {
   for (const auto& refusal : reply.refusals) {
     seen.refusals.push_back({refusal.axis, refusal.index, refusal.subindex, refusal.reason});
   }
-  // Without a refusal an unrequested answer is sent only when a set-point was ignored.
+  // Without a refusal, an unrequested answer is sent only if a set-point was ignored.
   const auto is_due = [&](const FrameAnswer& due) {
     return due.session == seen.session && due.sequence == seen.sequence && due.tick == seen.tick &&
            due.refusals == seen.refusals && (due.is_wanted || !seen.is_wanted);
@@ -901,7 +902,7 @@ void ControlModel::check(const msg::CommandReply& reply) {
   }
 }
 
-/// @return what the repeated frame is answered with, by the answers up to now; nullptr = nothing.
+/// @return the answer that the repeated frame must get, by the answers so far; nullptr = none.
 const ControlModel::FrameAnswer* ControlModel::kept_of(const FrameAnswer& due) const {
   const auto kept = std::ranges::find_if(kept_frame_answers_, [&](const FrameAnswer& answer) {
     return answer.session == due.session && answer.sequence == due.sequence;
@@ -955,7 +956,7 @@ void ControlModel::check_objects(const Answer& due, const msg::Reply& reply) {
 void ControlModel::check_stamp(std::uint16_t axis, std::uint32_t stamp) {
   if (stamp < kFirstStamp || stamp - kFirstStamp >= stamps_->size()) return;
   if (from_memory_.contains(stamp)) {
-    return;  // it was judged when it was stored, perhaps in an earlier run
+    return;  // it was checked when it was stored, perhaps in an earlier run
   }
   const Stamped& command = (*stamps_)[stamp - kFirstStamp];
   if (command.incarnation != 0 && command.incarnation != incarnation_) {

@@ -22,8 +22,8 @@
 
 namespace vdrive::simulation {
 
-/// Numbers of stamps begin here: a command writes one to 6067h, so that the parameters of an axis
-/// show which command was executed there last.
+/// Stamps begin here. A command writes its stamp to 6067h, so the parameters of an axis show which
+/// command was executed there last.
 inline constexpr std::uint32_t kFirstStamp = 1'000'000;
 
 /// Registers of an axis that the actors write.
@@ -44,9 +44,9 @@ struct Registers {
   }
 };
 
-/// Who commands which axis, and what becomes of each message: an independent account of what
-/// docs/reference/wire.md promises, by what arrived. It predicts every answer, owner and
-/// register; what the bench sends is compared with it.
+/// Who commands which axis, and the fate of each message: an independent model of the promises of
+/// docs/reference/wire.md, fed with what arrived. It predicts every answer, owner and register; the
+/// messages of the bench are compared with it.
 class ControlModel {
  public:
   /// The meaning of a stamp.
@@ -56,10 +56,10 @@ class ControlModel {
     std::uint32_t epoch = 0;  ///< 0 = written by a request
   };
 
-  /// Ticks of the seed in which an epoch was revoked, by incarnation and epoch.
+  /// The tick of the seed in which each epoch was revoked, by incarnation and epoch.
   using Revocations = std::map<std::pair<std::uint64_t, std::uint32_t>, std::uint64_t>;
 
-  /// Stamps of all runs of the service; the stamp is the place plus kFirstStamp.
+  /// Stamps of all runs of the service; a stamp is its index plus kFirstStamp.
   void use(const std::vector<Stamped>& stamps, Revocations& revocations) {
     stamps_ = &stamps;
     revocations_ = &revocations;
@@ -70,42 +70,42 @@ class ControlModel {
 
   void start_at(std::uint64_t tick) { tick_ = tick; }
 
-  /// The bench has a disk, which held this set when it started.
+  /// The bench has a disk, which contained this set when it started.
   void store_with(StoreModel& stores, const StoredSet& loaded);
 
   /// The bench took back this number of finished or failed stores.
   void take_back_stores(std::size_t count);
 
-  /// The bench takes this message now.
+  /// Called when the bench takes the message.
   void arrive(const msg::CommandFrame& frame);
   void arrive(const msg::Request& request);
   void note_message(std::uint64_t session);
 
-  /// Notes a request that does not `arrive`. @return whether it has arrived before: then the first
-  /// answer is due again, unless it is in progress.
+  /// Notes a request that does not `arrive`. @return whether it has arrived before; then the first
+  /// answer is due again, unless it is still in progress.
   bool is_repeat(const msg::Request& request);
 
   /// @return whether the command frames that were sent before the step have arrived.
   [[nodiscard]] bool has_frames_of(const msg::Request& step);
 
-  /// The answer to a step that was carried out or refused.
+  /// Expects the answer to a step that was carried out or refused.
   void expect_step_answer(const msg::Request& request, msg::Reason reason);
 
   void jump(std::uint64_t ticks);
 
-  /// The first half of a tick: frames that are due, silent masters.
+  /// The first half of a tick: frames that are due, masters that fell silent.
   void begin_tick();
 
   /// The second half: the changes of the axes.
   void end_tick(std::span<const AxisStatus> statuses);
 
-  /// What the bench sends.
+  /// Checks messages that the bench sends.
   void check(const msg::CommandReply& reply);
   void check(const msg::Reply& reply);
   void check(const msg::AxisParameters& parameters);
   void check(const service::EventRecord& event);
   void check_owners(std::span<const wire::Ownership> owners);
-  /// Every answer that was due has been checked, and every event.
+  /// Checks that every answer that was due has been checked, and every event.
   void check_all_answered();
   void check_events();
 
@@ -132,9 +132,9 @@ class ControlModel {
     std::uint32_t epoch = 0;
     std::uint64_t last_sequence = 0;
     bool was_enabled = false;
-    bool is_modulo = false;  ///< 607Bh, as configured: nobody writes it
+    bool is_modulo = false;  ///< 607Bh, as configured: nothing writes it
     Registers registers;
-    std::optional<StoredValues> memory;  ///< in force from the next power-up on
+    std::optional<StoredValues> memory;  ///< takes effect at the next power-up
     test::AxisCauses causes;
   };
 
@@ -147,14 +147,14 @@ class ControlModel {
     bool must_acquire = false;
   };
 
-  /// Numbers of what has arrived from one client or session.
+  /// Numbers of the messages that have arrived from one client or session.
   struct Numbers {
     std::uint64_t highest = 0;
     std::set<std::uint64_t> taken;
     std::set<std::uint64_t> answered;
 
     void take(std::uint64_t number);
-    /// @return whether it is too old to be distinguished from one that never arrived.
+    /// @return whether the number is too old to tell whether it ever arrived.
     [[nodiscard]] bool has_forgotten(std::uint64_t number) const;
   };
 
@@ -177,8 +177,8 @@ class ControlModel {
     std::uint64_t sequence = 0;
     std::uint64_t tick = 0;
     bool is_wanted = false;
-    bool is_repeat = false;  ///< of whatever was answered then
-    bool is_kept = true;     ///< to be given again
+    bool is_repeat = false;  ///< repeats whatever was answered then
+    bool is_kept = true;     ///< can be given again
     std::vector<Refused> refusals;
   };
 
@@ -194,7 +194,7 @@ class ControlModel {
     std::vector<std::optional<std::int64_t>> values;
   };
 
-  /// A request that waits for its orders.
+  /// A request that waits for its store orders.
   struct Storing {
     msg::Request request;  ///< its sender and session
     msg::Reason reason{};
@@ -284,7 +284,7 @@ class ControlModel {
   std::deque<Answer> kept_answers_;
   std::map<std::uint64_t, Storing> storings_;
   std::uint64_t last_storing_ = 0;
-  std::size_t ordered_ = 0;              ///< by the request in hand
+  std::size_t ordered_ = 0;              ///< by the current request
   std::set<std::uint32_t> from_memory_;  ///< stamps with which an axis was powered up
   std::map<std::pair<msg::EventKind, std::uint64_t>, int> events_;  ///< by kind and session
   std::map<std::uint64_t, std::vector<Registers>> snapshots_;

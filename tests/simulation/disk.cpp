@@ -61,7 +61,7 @@ class Disk::Files final : public service::FileOperations {
     return count;
   }
 
-  /// Half of it, then the other half: a process can end between them.
+  /// Writes one half, then the other: a process can end in between.
   std::size_t write(int file, std::span<const std::byte> bytes) override {
     disk_.step();
     if (disk_.full_) {
@@ -90,7 +90,7 @@ class Disk::Files final : public service::FileOperations {
 
   std::string lock_holder(int /*file*/) override { return "another simulated service"; }
 
-  /// Closes even on failure, as the system does.
+  /// Closes even on failure, as the operating system does.
   void close(int file) override {
     disk_.open_.erase(file);
     disk_.step();
@@ -149,7 +149,7 @@ void Disk::begin_save() {
   failed_ = replaced_ = false;
 }
 
-/// Each operation begins here.
+/// Every operation begins here.
 void Disk::step() {
   ++count_;
   killed_ = killed_ || (is_saving_ && kill_in_ != 0 && count_ == kill_in_);

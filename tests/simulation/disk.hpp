@@ -15,16 +15,17 @@ namespace vdrive::simulation {
 
 using test::Random;
 
-/// A disk with the state directory of the service, which outlasts its runs. What was not synced is
-/// lost in part when the power fails: of a file all but its first bytes, of the names the latest
-/// changes. A name is never lost alone: file systems keep the order of their journal.
+/// A disk with the state directory of the service; it outlasts the service's runs. A power failure
+/// loses part of what was not synced: of a file everything but its first bytes, of the names the
+/// latest changes. Changes of names are lost only together with all later ones: file systems keep
+/// the order of their journal.
 class Disk {
  public:
   static constexpr const char* kDirectory = "/state";
 
   explicit Disk(std::uint64_t seed) : random_(seed) {}
 
-  /// @return the file operations of a process; the disk outlives it.
+  /// @return the file operations of one process; the disk must outlive it.
   [[nodiscard]] std::unique_ptr<service::FileOperations> files();
 
   /// The next save fails once, with this errno, in its operation `number`, from 1.
@@ -33,25 +34,26 @@ class Disk {
   /// The process ends before operation `number` of the next save.
   void kill_in(std::uint64_t number);
 
-  /// No byte can be written until there is room again.
+  /// While full, no byte can be written.
   void fill(bool full) { full_ = full; }
 
   /// Counts operations from here, for one save.
   void begin_save();
 
-  /// Whether an operation of this save was refused.
+  /// Whether an operation of this save failed.
   [[nodiscard]] bool has_failed() const { return failed_; }
 
-  /// Whether that operation came after the rename of the new file: only its durability is unknown.
+  /// Whether that operation came after the rename of the new file; then only its durability is
+  /// unknown.
   [[nodiscard]] bool has_replaced() const { return replaced_; }
 
   /// The process ended in this save: its further operations have no effect.
   [[nodiscard]] bool is_killed() const { return killed_; }
 
-  /// The process has ended. @param power_fails what was not synced is lost in part
+  /// The process has ended. @param power_fails whether part of what was not synced is lost
   void end_process(bool power_fails);
 
-  /// A disk that reports success without it: no sync has an effect.
+  /// From now on the disk reports success, but no sync has an effect.
   void lie() { lies_ = true; }
 
  private:
@@ -59,13 +61,13 @@ class Disk {
 
   struct File {
     std::string content;
-    std::size_t synced = 0;  ///< so many bytes are durable
+    std::size_t synced = 0;  ///< number of bytes that are durable
   };
 
   using Names = std::map<std::string, std::shared_ptr<File>>;
 
   struct Open {
-    std::shared_ptr<File> file;  ///< nothing: the directory
+    std::shared_ptr<File> file;  ///< nullptr: the directory
     std::size_t position = 0;
   };
 
@@ -75,7 +77,7 @@ class Disk {
 
   Random random_;
   Names names_;
-  std::vector<Names> since_sync_{Names{}};  ///< the durable names, and after each change of them
+  std::vector<Names> since_sync_{Names{}};  ///< durable names, and after each later change
   std::map<int, Open> open_;
   int last_number_ = 2;
   bool locked_ = false;

@@ -117,7 +117,8 @@ void Disturber::set_input(const Present& present) {
   post(std::move(request), present);
 }
 
-/// A disturbance is cleared again until the bench shows it: a message may be lost.
+/// Clears a disturbance repeatedly until the bench shows that it is cleared, because a message may
+/// be lost.
 void Disturber::heal(const Present& present) {
   auto request = new_request(msg::RequestKind::write);
   for (const Ailment& ailment : ailments_) {
@@ -174,7 +175,7 @@ void Disturber::read(const Present& present) {
   post(std::move(request), present);
 }
 
-/// The tick thread is stopped for a while: late ticks, a backlog, or a jump.
+/// Stops the tick thread for a while: late ticks, a backlog, or a jump.
 void Disturber::stall(const Present& present) {
   present.time.late = random_.per_mille(800)
                           ? random_.between(100 * kMicrosecond, 90 * kMillisecond)
@@ -209,7 +210,7 @@ void Disturber::store(const Present& present) {
   post(std::move(request), present);
 }
 
-/// Full, or more often with room again.
+/// Fills the disk or, more often, makes room again.
 void Disturber::fill_disk(const Present& /*present*/) {
   const bool full = random_.per_mille(200);
   disk_.fill(full);

@@ -14,7 +14,7 @@ namespace vdrive::simulation {
 
 using test::Random;
 
-/// The disturbances of the bench beside its masters.
+/// The disturbances of the bench, apart from its masters.
 struct Disturbances {
   bool restarts = true;    ///< of the service
   bool test_bench = true;  ///< inputs 5E00h to 5E0Ah, power cycles, snapshots, the rate
@@ -22,9 +22,9 @@ struct Disturbances {
   bool disk = true;        ///< stores, and a disk that is full, fails or outlives the service
 };
 
-/// The test bench and the host: disturbs axes and clears that again, cycles their power, takes and
-/// restores snapshots, pauses time; makes the clock stall, the network flood and the service
-/// restart.
+/// The test bench and the host: disturbs axes and clears the disturbances, cycles their power,
+/// takes and restores snapshots, pauses time; stalls the clock, floods the network and restarts the
+/// service.
 class Disturber {
  public:
   Disturber(std::size_t place, const Disturbances& which, std::uint64_t seed, Disk& disk,
@@ -37,7 +37,7 @@ class Disturber {
 
   void on(const msg::Reply& reply);
 
-  /// @return whether the service is to be restarted now; true once.
+  /// @return whether the service must be restarted now; true only once.
   [[nodiscard]] bool wants_restart();
 
  private:

@@ -13,7 +13,7 @@
 
 namespace vdrive::simulation {
 
-/// The invariants as texts: those of an axis, and those of a service with its masters.
+/// The invariants as texts: those of an axis, and those of a service and its masters.
 struct Invariant : test::Invariant {
   static constexpr std::string_view kProbe = "touch probes show what they can have seen";
   static constexpr std::string_view kRepeat = "a restored snapshot runs the same ticks again";
@@ -27,14 +27,14 @@ struct Invariant : test::Invariant {
 
 struct Violation {
   std::string invariant;
-  std::uint64_t tick = 0;  ///< ticks since the begin of the seed
+  std::uint64_t tick = 0;  ///< ticks since the beginning of the seed
   std::uint16_t axis = 0;  ///< 0 = none
   std::string expected;
   std::string seen;
 };
 
-/// Everything that happens in a seed, as one hash and as a trace on request. Keeps the
-/// first violation.
+/// Everything that happens in a seed, as one hash and, on request, as a trace. Keeps the first
+/// violation.
 class Happenings {
  public:
   explicit Happenings(std::ostream* trace) : trace_(trace) {}

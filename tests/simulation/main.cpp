@@ -59,7 +59,7 @@ void print(const Violation& violation, const Report& report, const Options& opti
             << violation.tick << '\n';
 }
 
-/// Plays all seeds with as many threads as there are jobs. @return how many failed.
+/// Plays all seeds in as many threads as there are jobs. @return the number of seeds that failed.
 std::size_t play(const Arguments& arguments, Report& sum) {
   std::atomic<std::uint64_t> next = arguments.first;
   std::mutex output;

@@ -11,7 +11,7 @@ namespace vdrive::simulation {
 namespace {
 
 constexpr std::int64_t kKeepAlive = 25 * kMillisecond;
-constexpr std::int8_t kNoMode = 5;  // of 6060h
+constexpr std::int8_t kNoMode = 5;  // no valid mode of 6060h
 
 void assign(auto& object, const test::Write& write) {
   object.index = write.object.index;
@@ -35,7 +35,7 @@ Master::Master(std::size_t place, const Temper& temper, std::uint64_t seed, Stam
   begin_session();
 }
 
-/// The program starts, or starts again: without knowledge of earlier runs.
+/// The program starts or restarts, with no knowledge of earlier runs.
 void Master::begin_session() {
   session_ = random_.bits() | 1U;
   client_ = session_;
@@ -74,7 +74,7 @@ void Master::act(const View& view, Post& post) {
   }
 }
 
-/// Silence, a program that is stopped and continued, or one that restarts.
+/// Falls silent, is stopped and continued, or restarts.
 void Master::lapse(Post& post) {
   const std::int64_t until = now_ + random_.between(50 * kMillisecond, 700 * kMillisecond);
   switch (random_.below(3)) {
@@ -140,15 +140,16 @@ void Master::take_axes(const View& view, Post& post, bool by_force) {
   this->post(std::move(request), post);
 }
 
-/// The status of an owned axis gives what an answer would, and cannot be lost for long.
+/// The status of an owned axis carries the same epoch as an answer, and cannot be lost for long.
 void Master::look_up_epoch(const View& view) {
   for (const wire::Ownership& owner : view.owners) {
     if (owner.session == session_) epoch_ = owner.epoch;
   }
 }
 
-/// The next epoch of the bench, unless another master is faster: commands in this one arrive right
-/// behind the change of hands, and in that of another where somebody was.
+/// Guesses the next epoch of the bench. The guess is right if no other master is faster: then
+/// commands in this epoch arrive right after the change of owner. Otherwise they are in the epoch
+/// of the other master.
 void Master::guess_epoch(const View& view) {
   for (const wire::Ownership& owner : view.owners) epoch_ = std::max(epoch_, owner.epoch);
   ++epoch_;
@@ -162,7 +163,7 @@ void Master::release(const View& view, Post& post) {
   this->post(std::move(request), post);
 }
 
-/// Reads, and writes of command objects and others, to own axes, free ones and those of others.
+/// Reads, and writes to command objects and others, on own axes, free axes and those of others.
 void Master::send_request(const View& view, Post& post) {
   constexpr std::array<std::uint16_t, 8> kRead{0x607A, 0x6067, 0x6041, 0x6064,
                                                0x607A, 0x6067, 0x603F, 0x2000};
@@ -198,7 +199,7 @@ test::Write Master::any_write(const AxisStatus& status, const msg::Request& requ
   }
 }
 
-/// Stores or forgets axes, as a request or by their objects.
+/// Stores axes or deletes what is stored, as a request or through their objects.
 void Master::store(const View& view, Post& post) {
   const bool forgets = random_.per_mille(250);
   const bool writes = random_.per_mille(300);
@@ -265,7 +266,7 @@ void Master::time_frame(const View& view, msg::CommandFrame& frame) {
   }
 }
 
-/// One member is wrong, as in a program with a mistake.
+/// Spoils one member, as a program with a bug would.
 void Master::spoil(msg::CommandFrame& frame) {
   switch (random_.below(7)) {
     case 0:

@@ -30,17 +30,17 @@ using Stamps = std::vector<ControlModel::Stamped>;
 
 inline constexpr std::uint32_t kBench = 7;
 
-/// How a master behaves, drawn for each seed.
+/// The behaviour of a master, drawn for each seed.
 struct Temper {
   std::int64_t longest_pause = 12 * kMillisecond;  ///< between two messages
-  std::uint64_t greed = 8;                         ///< per mille of actions that take over
+  std::uint64_t greed = 8;                         ///< per mille of actions that take axes over
   std::uint64_t rudeness = 30;                     ///< per mille that are wrong in some way
   std::uint64_t lapses = 2;                        ///< per mille that stop its messages for a while
   std::uint64_t haste = 0;  ///< per mille of actions that do not wait for an answer
 };
 
-/// A program that wants axes, commands them and keeps alive, as the client library does, until it
-/// stops sending, stands still, restarts, repeats itself or sends invalid messages.
+/// A program that acquires axes, commands them and keeps its session alive, as the client library
+/// does, until it falls silent, hangs, restarts, repeats itself or sends invalid messages.
 class Master {
  public:
   Master(std::size_t place, const Temper& temper, std::uint64_t seed, Stamps& stamps,
@@ -48,7 +48,7 @@ class Master {
 
   [[nodiscard]] std::int64_t next_action() const { return next_; }
 
-  /// Makes one action.
+  /// Takes one action.
   void act(const View& view, Post& post);
 
   void on(const msg::Reply& reply);

@@ -16,13 +16,13 @@ namespace vdrive::simulation {
 
 using test::Random;
 
-/// What a client sends.
+/// The messages of a client.
 using ClientMessage = std::variant<msg::CommandFrame, msg::Request>;
 
 inline constexpr std::int64_t kMicrosecond = 1'000;  ///< times are in ns
 inline constexpr std::int64_t kMillisecond = 1'000'000;
 
-/// How a network treats messages.
+/// The treatment of messages by a network.
 struct NetworkHabits {
   std::uint64_t drops = 0;    ///< per mille
   std::uint64_t doubles = 0;  ///< per mille
@@ -31,7 +31,7 @@ struct NetworkHabits {
   bool keeps_order = false;  ///< of one sender
 };
 
-/// Messages in transit, to the bench or back: dropped, doubled, late, in another order.
+/// Messages in transit, to the bench or back: dropped, duplicated, late, out of order.
 template <typename Message>
 class Network {
  public:
@@ -45,7 +45,7 @@ class Network {
     put(sender, std::move(message), now);
   }
 
-  /// No message of this sender arrives before `until`: its process or its host is paused.
+  /// Holds back the messages of this sender until `until`: its process or its host is paused.
   void hold_back(std::size_t sender, std::int64_t until) {
     held_until_[sender] = std::max(held_until_[sender], until);
     for (auto& entry : entries_) {

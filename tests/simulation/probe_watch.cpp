@@ -19,8 +19,8 @@ constexpr std::array<ObjectRow, ProbeWatch::kEdges> kEdgeCounters{
     "touch_probe_1_positive_edge_counter"_object, "touch_probe_1_negative_edge_counter"_object,
     "touch_probe_2_positive_edge_counter"_object, "touch_probe_2_negative_edge_counter"_object};
 
-/// A tick of 2 ms has 16 sub-steps, each of which may see an edge; so may a write between two
-/// ticks.
+/// A tick of 2 ms has 16 sub-steps, each of which may see an edge; a write between two ticks may
+/// add one.
 constexpr std::uint64_t kMostEdgesATick = 17;
 
 std::string word(unsigned bits) {
@@ -72,7 +72,8 @@ void ProbeWatch::check_status(const Look& now, Happenings& happenings) const {
   }
 }
 
-/// What is latched is a position that 6064h can have shown. 0, before anything is latched, is one.
+/// A latched position must be one that 6064h can have shown. So is 0, the value before anything is
+/// latched.
 void ProbeWatch::check_positions(const Look& now, Happenings& happenings) const {
   if (limits_.range_span == 0) return;
   for (const std::int64_t position : now.positions) {
@@ -84,7 +85,7 @@ void ProbeWatch::check_positions(const Look& now, Happenings& happenings) const 
   }
 }
 
-/// A counter goes up, modulo 2^16, or begins anew at 0.
+/// A counter increases, modulo 2^16, or restarts at 0.
 void ProbeWatch::check_counters(const Look& now, std::uint64_t ticks,
                                 Happenings& happenings) const {
   const std::uint64_t most =

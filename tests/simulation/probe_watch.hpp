@@ -11,12 +11,12 @@
 
 namespace vdrive::simulation {
 
-/// Checks the touch probes of one axis (60B8h to 60BDh, 60D5h to 60D8h), from time to time.
+/// Checks the touch probes of one axis (60B8h to 60BDh, 60D5h to 60D8h) from time to time.
 class ProbeWatch {
  public:
   static constexpr std::size_t kEdges = 4;  ///< positive and negative, of two probes
 
-  /// What the axis shows of its probes.
+  /// The probe objects of the axis.
   struct Look {
     unsigned function = 0;                         ///< 60B8h
     unsigned status = 0;                           ///< 60B9h
@@ -29,10 +29,10 @@ class ProbeWatch {
 
   [[nodiscard]] static Look look_at(const AxisBank& bank, std::size_t axis);
 
-  /// @param ticks since the last check, at most
+  /// @param ticks an upper bound of the ticks since the last check
   void check(const Look& now, std::uint64_t ticks, Happenings& happenings);
 
-  /// The following checks start again.
+  /// Forgets the last look: the following checks start again.
   void begin() { has_last_ = false; }
 
  private:

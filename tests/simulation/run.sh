@@ -1,15 +1,16 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: Apache-2.0
-# Builds the simulation and plays seeds of it: by default 10,000 of 60 s of drive time with 16 axes,
-# each seed with other masters, another network and other disturbances, all invariants in every tick.
+# Builds the simulation and plays seeds: by default 10,000 of 60 s of drive time with 16 axes. Each
+# seed has different masters, another network and other disturbances; all invariants are checked in
+# every tick.
 #
 #   tests/simulation/run.sh [--seeds N] [arguments of vdrive_simulation...]
 #
 #   --seeds N   play the seeds 1 to N
 #
-# Prints each seed that fails with the command that plays it again to the same tick, and in the end
-# how much faster than real time it was. Exit code 0: no seed failed and it was at least 200 times
-# faster than real time; 1: a seed failed; 3: too slow (the machine may be busy).
+# Prints for each seed that fails the command that plays it again up to the same tick, and at the
+# end how much faster than real time it ran. Exit code 0: no seed failed and it was at least 200
+# times faster than real time; 1: a seed failed; 3: too slow (the machine may be busy).
 set -euo pipefail
 
 root=$(cd "$(dirname "${BASH_SOURCE[0]}")/../.." && pwd)

@@ -14,7 +14,7 @@ namespace vdrive::simulation {
 namespace {
 
 constexpr std::size_t kMasters = 2;
-constexpr std::size_t kDisturber = 2;  // place on the network
+constexpr std::size_t kDisturber = 2;  // index on the network
 constexpr std::size_t kStepper = 3;
 constexpr std::int64_t kStepPatience = 60 * kMillisecond;
 
@@ -65,7 +65,7 @@ Temper draw_temper(Play play, Random& random) {
           .lapses = random.below(8)};
 }
 
-/// The whole simulation: time, network, clients, and one run of the service after another.
+/// The complete simulation: time, network, clients, and one run of the service after another.
 class World {
  public:
   explicit World(const Options& options)
@@ -98,7 +98,7 @@ class World {
     const double period = std::chrono::duration<double>(configuration_.period).count();
     auto ticks = static_cast<std::uint64_t>(std::ceil(options_.seconds / period));
     if (options_.stop_at_tick != 0) {
-      // To the last cycle of that tick: time may stand still there, and the service may restart.
+      // Runs to the last cycle of that tick: time may be paused there, and the service may restart.
       ticks = std::min(ticks, options_.stop_at_tick + 1);
     }
     while (happenings_.tick() < ticks && !happenings_.violation()) {
@@ -120,7 +120,7 @@ class World {
       take_stock();
       ++report_.restarts;
       report_.cut_saves += bench_->was_killed() ? 1 : 0;
-      time_.now += random_.between(kMillisecond, 500 * kMillisecond);  // it takes time to start
+      time_.now += random_.between(kMillisecond, 500 * kMillisecond);  // starting takes time
       bench_.reset();
       storage_.disk.end_process(random_.per_mille(500));
     }
@@ -141,7 +141,8 @@ class World {
     report_.failed_stores += bench_->counters().save_failures.get();
   }
 
-  /// Runs all actors except the bench until `now`; then the inbox has all that has arrived.
+  /// Runs all actors except the bench until `now`; afterwards everything that has arrived is in the
+  /// inbox.
   void live_until(std::int64_t now) {
     const View view{bench_->incarnation(), bench_->image().tick, bench_->image().status,
                     bench_->image().owners};
@@ -166,8 +167,8 @@ class World {
     if (reply.client == kStepperClient && reply.request_id == last_step_) next_step_ = 0;
   }
 
-  /// One program steps: sometimes for a master, whose frames it waits for. It continues when it is
-  /// answered or has waited long enough.
+  /// One program steps the bench, sometimes for a master, whose frames the step waits for. It
+  /// continues when it has an answer or has waited long enough.
   void request_steps(std::int64_t now) {
     msg::Request request;
     request.client = kStepperClient;

@@ -21,14 +21,15 @@
 namespace vdrive::simulation {
 namespace {
 
-/// Disks fail in many seeds: the log of that is off.
+/// Disks fail in many seeds, so logging is off.
 const bool kIsQuiet = [] {
   spdlog::set_level(spdlog::level::off);
   return true;
 }();
 
-/// How many seeds: `full` of an optimised build with --full, a sixth of them in a usual run. Builds
-/// of sanitizers and without optimisation are slow: `debug`. By night 20 times as many.
+/// The number of seeds: `full` in an optimised build with --full, a sixth of it in an ordinary run.
+/// Sanitizer builds and builds without optimisation are slow and use `debug`. Nightly runs have 20
+/// times as many.
 std::uint64_t count_of(std::uint64_t full, std::uint64_t debug) {
 #if defined(NDEBUG) && !defined(VDRIVE_SANITIZED)
   static_cast<void>(debug);
@@ -74,8 +75,8 @@ TEST(Simulation, KeepsEveryInvariantForAMinuteOfSixteenAxesInEverySeed) {
   EXPECT_GT(sum.cut_saves, 0U);
 }
 
-// A hundred ticks do for several changes of hands: a master acts every 2 ms on average, and one
-// action in eight takes axes over.
+// A hundred ticks are enough for several changes of owner: a master acts every 2 ms on average, and
+// one action in eight takes axes over.
 TEST(Simulation, NeverExecutesACommandOfARevokedEpochOfTwoCompetingMasters) {
   const Report sum = play_all(
       {.seconds = 0.1, .axes = 2, .play = Play::fight, .clock = service::ClockMode::lockstep},
@@ -114,7 +115,7 @@ TEST(Simulation, WritesATraceWithoutAnEffectOnTheRun) {
 struct SabotageRow {
   const char* name;
   Sabotage sabotage;
-  std::vector<std::string_view> noticed_as;  ///< one of these
+  std::vector<std::string_view> noticed_as;  ///< any of these
 };
 
 std::ostream& operator<<(std::ostream& stream, const SabotageRow& row) {
@@ -198,7 +199,7 @@ AxisStatus enabled() {
   return status;
 }
 
-// The demand starts at rest at 0 and goes 50 UU each tick of 1 ms: beyond 1000 with the 21st.
+// The demand starts at rest at 0 and moves 50 UU per tick of 1 ms: it exceeds 1000 in the 21st.
 TEST(AxisWatch, DetectsADemandOutsideTheRange) {
   test::AxisWatch watch({.has_range = true, .lower = -1'000, .upper = 1'000}, kTick);
   AxisStatus status = enabled();
@@ -216,8 +217,8 @@ TEST(AxisWatch, DetectsADemandOutsideTheRange) {
   EXPECT_EQ(position, 1'100) << "one step after 1050";
 }
 
-/// A drive whose axis was driven to 1,000,000 UU/s takes control and brakes 1000 UU/s each tick of
-/// 1 ms: after 800 ticks it is at 200,000 UU/s, still beyond 136,533 UU/s and a quarter.
+/// A drive whose axis was driven to 1,000,000 UU/s takes control and brakes by 1000 UU/s per tick
+/// of 1 ms: after 800 ticks it is at 200,000 UU/s, still more than a quarter above 136,533 UU/s.
 std::optional<test::Violation> brake_with(std::int16_t torque) {
   test::AxisWatch watch({.positive_torque = 1'000, .negative_torque = 1'000}, kTick);
   AxisStatus status = enabled();
@@ -246,9 +247,9 @@ TEST(AxisWatch, DetectsAnAxisThatStaysTooFastWithUnusedTorque) {
   }
 }
 
-/// A demand in profile position that stands for five ticks of 1 ms and then goes faster by
-/// `changes` [UU/s], under a jerk of 4,000,000 UU/s³: 4 UU/s more or less from tick to tick, and 3
-/// of rounding.
+/// A demand in profile position that rests for five ticks of 1 ms and then changes its speed by
+/// `changes` [UU/s], under a jerk of 4,000,000 UU/s³: from tick to tick the change may differ by 4
+/// UU/s, plus 3 for rounding.
 /// @param causes of the last change
 std::optional<test::Violation> speed_up_by(const std::vector<std::int32_t>& changes,
                                            std::uint8_t inputs = 0,
@@ -285,7 +286,7 @@ TEST(AxisWatch, DetectsAJerkBeyondTheLimit) {
   }
 }
 
-// The demand is at 4 + 8 + 12 + 12 = 36 UU/s when it jumps to rest: transition 4 begins there.
+// The demand is at 4 + 8 + 12 + 12 = 36 UU/s when it jumps to rest, where transition 4 begins.
 TEST(AxisWatch, AllowsAnAxisThatIsEnabledAnewBetweenTwoTicksToBeginAtRest) {
   const std::vector<std::int32_t> changes{4, 8, 12, 12, -36};
   for (const test::AxisCauses& causes : {test::AxisCauses{.commanded = true, .switched_off = true},
@@ -295,7 +296,7 @@ TEST(AxisWatch, AllowsAnAxisThatIsEnabledAnewBetweenTwoTicksToBeginAtRest) {
   }
 }
 
-// 6007h is 1 in this axis: a lost master does not switch it off.
+// 6007h is 1 in this axis: losing the master does not switch it off.
 TEST(AxisWatch, DetectsADemandThatJumpsToRestWithoutASwitchedOffPowerStage) {
   const std::vector<std::int32_t> changes{4, 8, 12, 12, -36};
   for (const test::AxisCauses& causes :
@@ -311,8 +312,8 @@ TEST(AxisWatch, AllowsAnyJerkAtALimitSwitch) {
   EXPECT_FALSE(violation) << violation->invariant;
 }
 
-/// A modulo axis of 0 to 1000 in Operation enabled whose positions go through `places` at 100 UU a
-/// tick of 1 ms.
+/// A modulo axis of 0 to 1000 in Operation enabled whose positions go through `places` at 100 UU
+/// per tick of 1 ms.
 std::optional<test::Violation> turn_through(const std::vector<std::int32_t>& places) {
   test::AxisWatch watch({.positive_torque = 1'000, .negative_torque = 1'000, .range_span = 1'000},
                         kTick);
@@ -342,7 +343,7 @@ TEST(AxisWatch, DetectsAModuloAxisOutsideOfItsRange) {
 }
 
 TEST(AxisWatch, DetectsAModuloAxisThatJumps) {
-  // 500 of 1000 either way; 100 UU, 14 by the strongest acceleration and 6 of blur are allowed.
+  // 500 of 1000 either way; 100 UU, 14 from the strongest acceleration and 6 of blur are allowed.
   const auto violation = turn_through({900, 400});
   ASSERT_TRUE(violation);
   EXPECT_EQ(violation->invariant, Invariant::kNoJump);
@@ -394,7 +395,8 @@ TEST(ProbeWatch, DetectsWhatNoProbeCanHaveSeen) {
   }
 }
 
-// What the engine would execute, seen in the registers alone: a command whose epoch has ended.
+// A command that the engine would execute although its epoch has ended, seen in the registers
+// alone.
 TEST(ControlModel, DetectsACommandOfARevokedEpochInTheRegisters) {
   service::Configuration configuration;
   configuration.clock = service::ClockMode::lockstep;

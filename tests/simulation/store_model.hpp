@@ -13,7 +13,7 @@
 
 namespace vdrive::simulation {
 
-/// The registers that the actors write and 1010h stores.
+/// The registers that the actors write and that 1010h stores.
 struct StoredValues {
   std::uint32_t stamp = 100;        ///< 6067h, with its default
   std::uint32_t velocity = 68'267;  ///< 6081h, with its default
@@ -21,10 +21,10 @@ struct StoredValues {
   bool operator==(const StoredValues&) const = default;
 };
 
-/// By the number of the axis.
+/// By axis number.
 using StoredSet = std::map<std::uint16_t, StoredValues>;
 
-/// What a disk must hold, by the requests and by what happened to the disk: an account that
+/// The required content of a disk, by the requests and by what happened to the disk. This model
 /// outlasts the runs of the service.
 class StoreModel {
  public:
@@ -33,16 +33,16 @@ class StoreModel {
   struct Order {
     std::uint64_t request = 0;
     std::uint16_t axis = 0;
-    std::size_t object = kNoObject;      ///< place in a request that writes
-    std::optional<StoredValues> values;  ///< nothing: to be forgotten
+    std::size_t object = kNoObject;      ///< index in a request that writes
+    std::optional<StoredValues> values;  ///< nullopt: to be deleted
     bool failed = false;
   };
 
   /// The result of a save.
   enum class Outcome : std::uint8_t {
     durable,
-    refused,   ///< the new file never was in its place
-    doubtful,  ///< it was, or the process ended: the set of before or the new one is there
+    refused,   ///< the new file never replaced the old one
+    doubtful,  ///< it may have: either the old set or the new one is there
   };
 
   /// The service starts with this set.
@@ -50,10 +50,10 @@ class StoreModel {
 
   void order(Order order) { waiting_.push_back(std::move(order)); }
 
-  /// All orders that waited were in one save.
+  /// All waiting orders were in one save.
   void save(Outcome outcome);
 
-  /// @return the oldest order of a save that is over.
+  /// @return the oldest order of a finished save.
   [[nodiscard]] Order take_back();
 
   [[nodiscard]] std::size_t waiting() const { return waiting_.size(); }
@@ -64,7 +64,7 @@ class StoreModel {
   static std::string words_of(const StoredSet& set);
 
   StoredSet durable_;
-  std::vector<StoredSet> doubtful_;  ///< each may be there instead
+  std::vector<StoredSet> doubtful_;  ///< each may be on the disk instead
   StoredSet in_force_;               ///< in the service: the next save changes it
   std::deque<Order> waiting_;
   std::deque<Order> saved_;
