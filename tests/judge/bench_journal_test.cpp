@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Masters judged by the journal of their bench: an engine without network and clock writes it.
+// Masters judged by the journal of their bench, which an engine without network and clock writes.
 #include "replayed/bench_journal.hpp"
 
 #include "base/content_check.hpp"
@@ -36,7 +36,7 @@ constexpr std::uint16_t kControlword = 0x6040;
 constexpr std::uint16_t kMode = 0x6060;
 constexpr std::uint16_t kTarget = 0x607A;
 
-/// What a master does on a bench without a watchdog, and the journal of it.
+/// Runs a master on a bench without a watchdog. @return the journal of that bench.
 std::string journal_of(const std::function<void(EngineUnderTest&)>& master, std::size_t axes = 1) {
   std::string bytes;
   service::Configuration configuration = test::bench_configuration(axes);
@@ -72,7 +72,7 @@ void step_until(EngineUnderTest& bench, std::uint16_t mask, std::uint16_t value)
   ASSERT_EQ(bench.value(1, 0x6041) & mask, value);
 }
 
-/// The state machine up to Operation enabled, with a look at 6041h after each word.
+/// Goes through the state machine to Operation enabled, reading 6041h after each word.
 void enable(EngineUnderTest& bench, std::uint64_t session = kAlice) {
   bench.write(session, 1, kMode, 1);
   bench.steps(1);
@@ -241,7 +241,7 @@ TEST(TheJournalOfABench, ForgetsWhatAPowerCycleEnds) {
               IsEmpty());
 }
 
-/// @return `journal` with another version of the format in its head.
+/// @return `journal` with another format version in its header.
 std::string with_format(std::string journal, std::uint32_t version) {
   constexpr std::size_t kHead = 24;
   std::uint32_t length = 0;

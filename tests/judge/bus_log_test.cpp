@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Logs of a bus: what the reader makes of their lines, and that a cut, foreign or mutated one is a
-// counted line.
+// Bus logs: what the reader makes of their lines; a truncated, foreign or mutated line is counted.
 #include "log/bus_log.hpp"
 
 #include "judge/axis_track.hpp"
@@ -58,7 +57,7 @@ TEST(BusLog, OfARightMasterHasNoFinding) {
   EXPECT_GT(result.verdict.last - result.verdict.first, 200ms);
 }
 
-// A set-point by SDO: the TPDO that shows bit 12 comes before the answer to the write.
+// A set-point by SDO: the TPDO that shows bit 12 precedes the answer to the write.
 TEST(BusLog, TakesAWriteBySdoForBeforeWhatTheDriveShowsUntilItAnswers) {
   LoggedNode node;
   node.enable(kPosition);
@@ -115,7 +114,7 @@ TEST(BusLog, LearnsTheMappingFromTheTraffic) {
   EXPECT_THAT(result.notes, Not(Contains(HasSubstr("RPDO 1"))));
 }
 
-/// @return the log without the frames of SDO.
+/// @return the log without its SDO frames.
 std::string without_sdo(const std::string& log) {
   std::string rest;
   std::istringstream lines(log);
@@ -127,7 +126,7 @@ std::string without_sdo(const std::string& log) {
   return rest;
 }
 
-/// Two edges without a look at bit 12, by a PDO with 6040h and 607Ah.
+/// Two edges with no look at bit 12 between them, by a PDO with 6040h and 607Ah.
 std::string remapped_log() {
   LoggedNode node;
   node.map(1, {kMapWord, kMapTarget});
@@ -191,7 +190,7 @@ TEST(DataSheet, IsNoneWithoutASectionOfAnObject) {
 
 // ---- the lines of a log ------------------------------------------------------------------------
 
-/// One frame, 5.25 s, 123h with 0011h, in each form.
+/// One frame, 5.25 s, 123h with 0011h, in each format.
 struct LineCase {
   const char* text;
   LineKind kind;
@@ -323,7 +322,7 @@ TEST(BusLog, CountsWhatItCannotUseAndJudgesTheRest) {
       "(0000000099.000000) can0 1ABCDEF0#00\n"     // 29 bits
       "(0000000099.000001) can0 000#0102030405\n"  // NMT has two bytes
       "(0000000098.000000) can0 7E5#0400000000000000\n"
-      "(0000000099.000002) can0 185#37";  // cut
+      "(0000000099.000002) can0 185#37";  // truncated
   const LogVerdict result = judged(log);
   EXPECT_THAT(broken_rules(result.verdict), IsEmpty());
   EXPECT_EQ(result.lines.broken, 1U);
@@ -387,7 +386,7 @@ std::int32_t any_target(test::Random& random) {
   return static_cast<std::int32_t>(random.between(-20'000, 20'000));
 }
 
-/// Words by RPDO, targets by RPDO or SDO; the drive shows each change by TPDO.
+/// Words by RPDO, targets by RPDO or SDO; the drive reports each change by TPDO.
 void move_by_pdo(LoggedNode& node, test::Random& random) {
   node.enable(kPosition);
   for (auto moves = random.between(1, 4); moves > 0; --moves) {
@@ -406,7 +405,7 @@ void move_by_pdo(LoggedNode& node, test::Random& random) {
   node.disable();
 }
 
-/// All by SDO, in turns of some milliseconds; the drive shows nothing by itself.
+/// All by SDO, every few milliseconds; the drive reports nothing on its own.
 void move_by_sdo(LoggedNode& node, test::Random& random) {
   for (std::uint16_t index = 0x1800; index <= 0x1803; ++index) {
     node.write({index, 1}, std::int64_t{0x80000000}, 4);
@@ -527,7 +526,7 @@ TEST(SdoObserver, SeesThatTheNodeAbortsADownloadByBlocks) {
       observer.take_response(sdo({0x80, 0x00, 0x20, 0x00, 0x04, 0x00, 0x04, 0x05}));
   ASSERT_TRUE(transfer);
   EXPECT_EQ(transfer->abort, 0x05040004U);
-  // The next request is a command again, and no segment.
+  // The next request is a command again, not a segment.
   EXPECT_FALSE(observer.take_request(sdo({0x2B, 0x40, 0x60, 0x00, 0x1F})));
   EXPECT_NE(observer.pending_download(), nullptr);
 }

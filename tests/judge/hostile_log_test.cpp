@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Logs with the times, parameters and data sheets that nobody would write on purpose.
+// Logs with times, parameters and data sheets that nobody would write on purpose.
 #include "judge/axis_track.hpp"
 #include "judge/judged_drive.hpp"
 #include "judge/judged_log.hpp"
@@ -28,7 +28,7 @@ using testing::Contains;
 using testing::ElementsAre;
 using testing::IsEmpty;
 
-/// The times of `log` so much later.
+/// The times of `log`, shifted by `shift`.
 std::string later(const std::string& log, std::chrono::milliseconds shift) {
   constexpr std::size_t kMilliseconds = 15;  // "(0000000001.002" of "(0000000001.002300)"
   std::string text;
@@ -59,8 +59,8 @@ TEST(ALogWhoseClockGoesBackOnce, IsJudgedByTheTimesAfterwards) {
   EXPECT_GT(result.verdict.last - result.verdict.first, 200ms);
 }
 
-/// Two edges of bit 4 without a look at bit 12 between them, and before the second one a clock that
-/// is set back.
+/// Two edges of bit 4 with no look at bit 12 between them; before the second one the clock is set
+/// back.
 LogVerdict mistake_over_a_step_back(std::chrono::milliseconds step) {
   LoggedNode node;
   node.enable(kProfilePosition);
@@ -128,7 +128,8 @@ TEST(AnAscWithRelativeTimes, EndsWhereTimeEnds) {
   EXPECT_EQ(judged(log).lines.broken, 4U) << "the first one fits";
 }
 
-// RPDO 1 has the controlword, RPDO 2 the target; both wait for SYNC, so their order does not count.
+// RPDO 1 has the controlword, RPDO 2 the target; both wait for SYNC, so their order does not
+// matter.
 std::vector<std::string> synchronous_move(std::uint8_t type) {
   LoggedNode node;
   node.map(1, {0x60400010}, type);
@@ -194,7 +195,7 @@ TEST(AConsumerOfHeartbeats, ThatWasSwitchedOffOrRestartedWaitsForNone) {
   EXPECT_THAT(rules_in(heartbeats_of_a_master(node.log())), IsEmpty());
 }
 
-// The sum of such a COB-ID and the node id wraps around: RPDO 1 is no longer the one of 205h.
+// The sum of this COB-ID and the node id wraps around: RPDO 1 no longer has 205h.
 TEST(ADataSheetWithTheHighestNumber, TakesRpdo1AwayFromItsIdentifier) {
   std::string text = canopen::electronic_data_sheet({});
   const std::size_t at = text.find("DefaultValue=", text.find("[1400sub1]"));

@@ -15,7 +15,7 @@
 
 namespace vdrive::judge {
 
-// Words and bits that the masters of the tests use.
+// Controlwords and bits that the masters of the tests use.
 inline constexpr std::uint16_t kEnabled = 0x000F;
 inline constexpr std::uint16_t kSetPoint = 0x001F;
 inline constexpr std::uint16_t kReached = Statusword::kTargetReached;
@@ -31,20 +31,20 @@ struct TestSource {
       .has_time = true, .shows_reads = true, .shows_sessions = true, .speed_is_per_second = true};
   bool shows_mode = true;
   bool shows_error_code = true;
-  std::uint64_t ticks_a_status = 1;  ///< the drive is shown each n-th tick
+  std::uint64_t ticks_a_status = 1;  ///< the drive is shown every n-th tick
 };
 
-/// The drive of the core, and the judge that reads what goes to it and what it shows.
+/// The drive of the core, and the judge that reads what it receives and what it shows.
 class JudgedDrive {
  public:
   explicit JudgedDrive(const TestSource& source = {}, const AxisConfiguration& configuration = {},
                        std::uint32_t number = 1);
 
-  /// A drive beside others of one judge, which stays as long as this.
+  /// One drive among others of a judge, which must outlive it.
   JudgedDrive(Judge& judge, const TestSource& source, const AxisConfiguration& configuration,
               std::uint32_t number);
 
-  // ---- what a master does
+  // ---- actions of a master
   Fate write(ObjectAddress object, std::int64_t value, Channel channel = Channel::request,
              std::uint64_t writer = 0);
   void word(std::uint16_t word, Channel channel = Channel::request, std::uint64_t writer = 0);
@@ -52,11 +52,11 @@ class JudgedDrive {
   void mode(std::int8_t mode);
   void read(ObjectAddress object);
 
-  // ---- what the bench does, and no master
+  // ---- actions of the bench, not of a master
   void disturb(ObjectAddress object, std::int64_t value);
   void take(const decltype(Record::what)& what);
 
-  /// From now on the drive shows this state in place of its own; nothing = its own.
+  /// From now on the drive shows this state instead of its own; nullopt = its own.
   void pretend(std::optional<PowerState> state) { pretended_ = state; }
 
   // ---- time
@@ -65,13 +65,13 @@ class JudgedDrive {
   bool step_until_state(PowerState state);
   bool step_until_bits(std::uint16_t mask, std::uint16_t value, std::uint64_t deadline = 60'000);
 
-  // ---- what a right master does
+  // ---- actions of a correct master
   void enable(std::int8_t mode);
   void disable();
   void set_point(std::int32_t target, std::uint16_t bits = 0);
   bool move(std::int32_t target, std::uint16_t bits = 0);
 
-  // ---- what a master sees: the drive as it was shown last
+  // ---- what a master sees: the drive as it was last shown
   [[nodiscard]] std::uint16_t statusword() const { return shown_.ds402_statusword; }
 
   [[nodiscard]] std::int32_t position() const { return shown_.load_position_actual_value; }
@@ -84,7 +84,7 @@ class JudgedDrive {
 
   [[nodiscard]] Verdict end(bool is_over = false) { return judge_->end(is_over); }
 
-  /// @return the names of the rules that were broken, in the order of their table.
+  /// @return the names of the broken rules, in the order of their table.
   [[nodiscard]] std::vector<std::string> findings(bool is_over = false);
 
  private:
@@ -100,7 +100,7 @@ class JudgedDrive {
   AxisStatus shown_;
 };
 
-/// @return the names of the rules that were broken, by their table, each once.
+/// @return the names of the broken rules in the order of their table, each once.
 [[nodiscard]] std::vector<std::string> broken_rules(const Verdict& verdict);
 
 }  // namespace vdrive::judge

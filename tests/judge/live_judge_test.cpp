@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Masters judged while their bench runs: the same findings as by the journal of the run.
+// Masters judged while their bench runs, with the same findings as from the journal of the run.
 #include "live/live_judge.hpp"
 
 #include "judge/judged_drive.hpp"
@@ -31,7 +31,7 @@ using testing::Not;
 constexpr std::uint32_t kBench = 1;
 constexpr ObjectAddress kLoadTorque{0x5E00, 0};
 
-/// A bench in lock-step in this process, which writes a journal, and a judge that looks on.
+/// A bench in lock-step in this process that writes a journal, and a judge that watches it.
 class JudgedBench {
  public:
   explicit JudgedBench(std::size_t axes = 1) {
@@ -51,13 +51,13 @@ class JudgedBench {
 
   Axis axis() { return master_->axis("1.1").value(); }
 
-  /// One by one: of a step of several ticks the bench publishes the last.
+  /// Steps one tick at a time: of a step of several ticks the bench publishes only the last.
   void step(std::uint64_t ticks = 1) {
     for (std::uint64_t i = 0; i < ticks; ++i) ASSERT_TRUE(master_->step(kBench, 1));
     poll();
   }
 
-  /// Another judge begins now.
+  /// Starts another judge.
   void watch_again() {
     auto judge = LiveJudge::create(*watcher_, kBench, watcher_->axes(kBench).value());
     ASSERT_TRUE(judge);
@@ -74,7 +74,7 @@ class JudgedBench {
     return broken_rules(judge_->verdict());
   }
 
-  /// Ends the bench.
+  /// Ends the bench and judges its journal.
   [[nodiscard]] std::vector<std::string> by_journal() {
     judge_.reset();
     watcher_.reset();
@@ -97,11 +97,11 @@ void write(Axis& axis, ObjectAddress object, std::int64_t value) {
   ASSERT_TRUE(axis.write(object, value));
 }
 
-/// Our client sends the words up to Operation enabled at once, and looks at the state then: a drive
-/// of vdrive takes each word when it is written, and for one that does not the client waits.
+/// Our client sends all words up to Operation enabled and only then looks at the state: a drive of
+/// vdrive takes each word when it is written, and for one that does not, the client waits.
 const std::vector<std::string> kOfTheClient{"state-2"};
 
-/// @return without what only the end of a run shows: that the axis is left enabled.
+/// @return `rules` without the one that only the end of a run can break: the axis is left enabled.
 std::vector<std::string> without_end(std::vector<std::string> rules) {
   std::erase(rules, "supervision-7");
   return rules;
@@ -138,7 +138,7 @@ TEST(ABenchThatRuns, TellsThatBit4StayedUpWhileItRuns) {
   EXPECT_THAT(bench.live(), Contains("handshake-2"));
 }
 
-// The judge came when the axis was enabled already: the word 001Fh is an edge against 000Fh.
+// The judge started when the axis was already enabled: the word 001Fh is an edge against 000Fh.
 TEST(ABenchThatRuns, IsKnownWithTheWordThatStoodBefore) {
   JudgedBench bench;
   Axis axis = bench.axis();
@@ -150,7 +150,7 @@ TEST(ABenchThatRuns, IsKnownWithTheWordThatStoodBefore) {
   EXPECT_THAT(bench.live(), Contains("handshake-2"));
 }
 
-// A completed tick is published again after a restore.
+// After a restore a tick that was already published is published again.
 TEST(ABenchThatRuns, TakesARestoreForAGap) {
   JudgedBench bench;
   Axis axis = bench.axis();
@@ -166,7 +166,7 @@ TEST(ABenchThatRuns, TakesARestoreForAGap) {
   EXPECT_THAT(bench.live(), ElementsAreArray(kOfTheClient));
 }
 
-// Of a step of several ticks the bench publishes the last.
+// Of a step of several ticks the bench publishes only the last.
 TEST(ABenchThatRuns, KnowsWhichOfTheWordsBetweenTwoStatusesWasIgnored) {
   JudgedBench bench;
   Axis axis = bench.axis();

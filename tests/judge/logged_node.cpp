@@ -64,7 +64,7 @@ void LoggedNode::put(const Frame& frame) {
   frames_.push_back(frame);
 }
 
-/// Of the node.
+/// Sends a frame of the node.
 void LoggedNode::send(const Frame& frame) {
   put(frame);
   if (frame.id == canopen::kSdoResponseId + kNode) sdo_answer_ = frame;

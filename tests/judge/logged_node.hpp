@@ -19,32 +19,32 @@
 
 namespace vdrive::judge {
 
-/// A node of CANopen with the drive of the core, its master, and the log of their bus as
-/// `candump -L` writes it. A frame takes 100 us.
+/// A CANopen node with the drive of the core, its master, and the log of their bus in the format of
+/// `candump -L`. A frame takes 100 us.
 class LoggedNode final : private canopen::NodeHost {
  public:
   static constexpr std::uint8_t kNode = 5;
 
   LoggedNode();
 
-  // ---- what a master does
+  // ---- actions of a master
   void nmt(std::uint8_t command, std::uint8_t node = kNode);
   void sync();
   void put_on_bus(std::uint32_t id, std::initializer_list<std::uint8_t> bytes);
   void put_on_bus(const canopen::Frame& frame);
 
-  /// Writes an object by SDO, expedited. @return the code of its abort
+  /// Writes an object by expedited SDO. @return the abort code
   std::uint32_t write(ObjectAddress object, std::int64_t value, std::size_t size);
-  /// Reads a number by SDO, expedited.
+  /// Reads a number by expedited SDO.
   std::int64_t read(ObjectAddress object);
-  /// Sends an RPDO with these numbers, each with its size [bytes].
+  /// Sends an RPDO with these numbers, each given with its size [bytes].
   void pdo(std::uint16_t number,
            std::initializer_list<std::pair<std::int64_t, std::size_t>> values);
 
-  /// RPDO 1 as it is by default.
+  /// Sends RPDO 1 with its default mapping.
   void word(std::uint16_t word) { pdo(1, {{word, 2}}); }
 
-  /// Maps RPDO `number` again: entries are index, sub-index and bits as in 1600h.
+  /// Remaps RPDO `number`; entries are index, sub-index and bits as in 1600h.
   void map(std::uint16_t number, std::initializer_list<std::uint32_t> entries,
            std::uint8_t type = 255);
 
@@ -54,12 +54,13 @@ class LoggedNode final : private canopen::NodeHost {
   bool step_until_state(PowerState state);
   bool step_until_bits(std::uint16_t mask, std::uint16_t value);
 
-  /// As the last TPDO with 6041h shows it.
+  /// The statusword of the last TPDO with 6041h.
   [[nodiscard]] std::uint16_t statusword() const noexcept { return statusword_; }
 
-  /// NMT start, mode, and the way to Operation enabled, by RPDOs 1 and 2, each step awaited.
+  /// NMT start, mode, and the words up to Operation enabled, by RPDOs 1 and 2; waits after each
+  /// step.
   void enable(std::int8_t mode);
-  /// A move in profile position with its whole handshake, by RPDOs 1 and 3.
+  /// A move in profile position with its complete handshake, by RPDOs 1 and 3.
   void move(std::int32_t target);
   void disable();
 
@@ -67,7 +68,7 @@ class LoggedNode final : private canopen::NodeHost {
 
   [[nodiscard]] const std::vector<canopen::Frame>& frames() const noexcept { return frames_; }
 
-  /// Each frame as a line.
+  /// One line per frame.
   [[nodiscard]] const std::string& log() const noexcept { return log_; }
 
  private:

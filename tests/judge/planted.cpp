@@ -111,7 +111,7 @@ Names enabling_with_bit_4(bool has_bit_4) {
   return drive.findings();
 }
 
-/// A new target each 10 ms, for which the master needs `words` cycles.
+/// A new target every 10 ms, for which the master needs `cycles_of_an_edge` cycles.
 Names stream_by_handshake(std::uint32_t cycles_of_an_edge) {
   JudgedDrive drive;
   drive.enable(kProfilePosition);
@@ -356,7 +356,7 @@ Names velocities_in_mode(std::int8_t mode) {
   return drive.findings();
 }
 
-/// A homing towards a switch that does not come.
+/// A homing run towards a switch that never comes.
 Names long_homing(std::uint64_t ticks, bool waits_for_end) {
   JudgedDrive drive;
   drive.write(kHomingMethod, 17);
@@ -440,7 +440,7 @@ Names profile_speed(std::int64_t speed) {
   return drive.findings();
 }
 
-/// Sends targets in mode 8, one a tick.
+/// Sends targets in mode 8, one per tick.
 class Stream {
  public:
   explicit Stream(JudgedDrive& drive) : drive_(drive) {
@@ -461,7 +461,7 @@ class Stream {
     }
   }
 
-  /// From one speed to another one, and so many ticks at the second.
+  /// From one speed to another, then `times` ticks at the second.
   void ramp(std::int32_t from, std::int32_t to, int times) {
     for (std::int32_t speed = from; speed != to; speed += to > from ? 1 : -1) go(speed, 1);
     go(to, times);
@@ -491,7 +491,7 @@ Names regular_stream() {
   });
 }
 
-/// Its ramps have 40 units a millisecond after 60 ms: 667,000 a second squared.
+/// Its ramps reach 40 units per millisecond after 60 ms: 667,000 units/s².
 Names stream_with_acceleration(std::int64_t limit) {
   JudgedDrive drive;
   drive.write(objects::kAccelerationLimit, limit);
@@ -502,7 +502,7 @@ Names stream_with_acceleration(std::int64_t limit) {
   return drive.findings();
 }
 
-/// 6080h of 100 rpm is 6,827 user units a second, where a turn has 4,096.
+/// 6080h = 100 rpm is 6,827 user units/s, with 4,096 per revolution.
 Names stream_at_motor_speed(std::int32_t step) {
   JudgedDrive drive;
   drive.write({0x6080, 0}, 100);
@@ -548,7 +548,7 @@ Names stream_from(std::int32_t begin) {
   return drive.findings();
 }
 
-/// 2,000 units a second: blocked for 1.5 s, the axis is 3,000 behind.
+/// 2,000 units/s: blocked for 1.5 s, the axis is 3,000 behind.
 Names move_within_window(bool is_blocked) {
   JudgedDrive drive;
   drive.write(objects::kFollowingWindow, 5'000);
@@ -637,14 +637,14 @@ Names pdo_in(NodeState state) {
   JudgedDrive drive;
   drive.take(Network{.state = NodeState::pre_operational});
   drive.take(Network{.state = state, .is_command = true});
-  drive.step(250);  // longer than a PDO can have been on its way
+  drive.step(250);  // longer than a PDO can be in transit
   drive.take(ReceivePdo{.number = 1});
   drive.word(controlwords::kShutdown, Channel::pdo);
   drive.step(10);
   return drive.findings();
 }
 
-/// Mode 8 by PDOs, a SYNC each 10 ms.
+/// Mode 8 by PDOs, with a SYNC every 10 ms.
 Names synchronous_stream(std::uint8_t type, std::int64_t period, int pdos_a_cycle, bool has_sync,
                          bool is_regular = true) {
   JudgedDrive drive;
@@ -657,7 +657,7 @@ Names synchronous_stream(std::uint8_t type, std::int64_t period, int pdos_a_cycl
       drive.take(ReceivePdo{.number = 1, .type = type});
       drive.target(drive.position(), Channel::pdo);
     }
-    // 2 of 10 cycles are half as long and half as long again.
+    // 2 of 10 cycles are shifted: one lasts half as long, the next one and a half times as long.
     const std::uint64_t shift = is_regular ? 0 : (i % 10 == 0 ? 5 : 0);
     drive.step(i % 10 == 1 && !is_regular ? 15 : 10 - shift);
   }
@@ -681,7 +681,7 @@ Names stream_through_fall(bool ends) {
   Stream stream(drive);
   stream.ramp(0, 20, 60);
   drive.pretend(PowerState::switched_on);
-  drive.disturb(kBlockedLoad, 1);  // without power the axis stands
+  drive.disturb(kBlockedLoad, 1);  // without power the axis stands still
   stream.go(20, ends ? 20 : 900);
   drive.step(600);
   return drive.findings();

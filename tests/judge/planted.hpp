@@ -9,15 +9,15 @@
 
 namespace vdrive::judge {
 
-/// A master with one mistake, and one that does the same rightly. Each has a drive of its own.
+/// A master with one mistake, and one that does the same correctly. Each has its own drive.
 struct Planted {
   Rule rule{};
   std::vector<std::string> (*wrong)() = nullptr;
   std::vector<std::string> (*right)() = nullptr;
-  std::vector<std::string_view> also{};  ///< rules that the same mistake breaks, too
+  std::vector<std::string_view> also{};  ///< other rules that the same mistake breaks
 };
 
-/// One for each rule at least.
+/// At least one for each rule.
 [[nodiscard]] std::span<const Planted> planted_masters();
 
 }  // namespace vdrive::judge

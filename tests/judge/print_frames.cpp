@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Prints what the decoder of the judge makes of each frame of a log, a line each: kind and node.
-// The judges compare it with what a program of others makes of the same frames.
+// Prints for each frame of a log, one line each, what the judge's decoder makes of it: kind and
+// node. The tests compare this with the output of a third-party program for the same frames.
 #include "log/bus_log.hpp"
 
 #include <fstream>

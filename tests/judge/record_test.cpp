@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Records as other drives and other masters make them: those of a right master have no finding.
+// Records as other drives and other masters produce them; those of a correct master have no
+// finding.
 #include "judge/axis_track.hpp"
 #include "judge/judged_drive.hpp"
 #include "judge/words.hpp"
@@ -27,7 +28,7 @@ constexpr std::uint16_t kShownSwitchedOn = 0x0233;
 constexpr std::uint16_t kShownFault = 0x0218;
 constexpr std::uint16_t kAcknowledged = 0x1000;
 
-/// Records of one axis, as they are written down.
+/// Records of one axis, written as a script.
 class Script {
  public:
   Script() : judge_({.has_time = true, .shows_reads = true}) {}
@@ -55,7 +56,7 @@ class Script {
 
   void position(std::int32_t at) { put(Shown{.members = ShownMember::kPosition, .position = at}); }
 
-  /// In Operation enabled, and in this mode for long.
+  /// In Operation enabled, and in this mode for a long time.
   void begin(std::int8_t in_mode) {
     mode(in_mode);
     status(kShownSwitchedOn);
@@ -75,7 +76,7 @@ class Script {
   std::uint64_t line_ = 0;
 };
 
-/// @param latency cycles from 6064h to 607Ah
+/// @param latency number of cycles from 6064h to 607Ah
 std::vector<std::string> mirror_after(std::uint16_t status, std::int32_t speed,
                                       std::size_t latency) {
   Script script;
@@ -241,7 +242,7 @@ TEST(TwoSessions, AreNamedAsEventsAndLogsNameThem) {
   EXPECT_EQ(writer_text(finding.lines.front()), "request " + session_text(kFirst));
 }
 
-/// @param cycles of SYNC for each target
+/// @param cycles of SYNC per target
 void run_sync(Script& script, Time period, int times, int cycles) {
   for (int i = 0; i < times; ++i) {
     script.put(Sync{});
@@ -359,7 +360,7 @@ TEST(AHomingThatHasItsOriginAndStillMoves, MayHaveItsWordAgain) {
   }
 }
 
-/// A master by PDOs, then one by SDO, then one by PDOs.
+/// A master by PDOs, then one by SDO, then one by PDOs again.
 std::vector<std::string> hand_over(Time pause, bool restarts) {
   Script script;
   script.status(0x0231);
@@ -396,7 +397,7 @@ TEST(ATargetInProfilePosition, IsNoSetPointWhereBit4DoesNotRise) {
   EXPECT_THAT(script.findings(), IsEmpty());
 }
 
-// The master sets 607Ah for its stream while the last set-point still has its bit 4.
+// The master sets 607Ah for its stream while bit 4 of the last set-point is still set.
 TEST(ATargetInProfilePosition, MayBeThatOfTheCyclicModeThatFollows) {
   Script script;
   script.position(100);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Masters that keep every rule, with random ways, times, limits and drives: no finding at all.
+// Masters that keep every rule, with random distances, times, limits and drives: no finding at all.
 #include "judge/axis_track.hpp"
 #include "judge/judged_drive.hpp"
 #include "support/random_cases.hpp"
@@ -20,12 +20,12 @@ namespace {
 using test::Random;
 using testing::IsEmpty;
 
-/// 1,000 seeds, and more at night.
+/// 1,000 seeds, more in nightly runs, fewer in ordinary ones.
 std::uint64_t last_seed() {
   return test::number_of<std::uint64_t>({.usual = 150, .full = 1'000, .nightly = 10'000});
 }
 
-/// A source that shows the drive each 1 to 10 ticks, and some habits of other drives.
+/// A source that shows the drive every 1 to 10 ticks, with some habits of other drives.
 TestSource draw_source(Random& random) {
   TestSource source;
   source.ticks_a_status = static_cast<std::uint64_t>(random.between(1, 10));
@@ -36,17 +36,17 @@ void draw_habits(JudgedDrive& drive, Random& random) {
   if (random.per_mille(300)) drive.disturb({0x5E20, 7}, random.between(0, 300));  // power on
   if (random.per_mille(300)) drive.disturb({0x5E20, 8}, random.between(0, 100));  // mode display
   if (random.per_mille(300)) drive.disturb({0x5E20, 9}, random.between(0, 100));  // reset
-  // Of a drive that looks at its words once a loop, and has bit 12 up from the enabling on, nobody
-  // can know when it has seen an edge.
+  // If a drive samples its controlwords once per loop and also has bit 12 set from enabling on,
+  // nobody can know when it has seen an edge.
   if (random.per_mille(500)) {
     drive.disturb({0x5E20, 6}, random.between(0, 4));  // loop of controlwords
   } else if (random.per_mille(400)) {
-    drive.disturb({0x5E20, 1}, 1);  // bit 12 from the enabling on
+    drive.disturb({0x5E20, 1}, 1);  // bit 12 set from enabling on
   }
   if (random.per_mille(200)) drive.disturb({0x5E20, 0x0C}, random.between(0, 1) * 0xC000);
 }
 
-/// What the master knows of its drive from then on.
+/// Reads the limits that the master knows from then on.
 void read_limits(JudgedDrive& drive) {
   for (const ObjectAddress object :
        {objects::kFollowingWindow, objects::kMaxTorque, objects::kSpeedLimit, objects::kLowerLimit,
@@ -150,8 +150,7 @@ void run_handshake(JudgedDrive& drive, Random& random) {
   drive.disable();
 }
 
-/// A quintic from here to there, as stream makers plan it: speed and acceleration begin and end
-/// at 0.
+/// A quintic polynomial, as stream generators plan it: speed and acceleration are 0 at both ends.
 void stream_to(JudgedDrive& drive, std::int32_t to, int cycles, std::uint64_t ticks,
                Channel channel) {
   const std::int32_t from = drive.status().position_demand_value;
@@ -193,7 +192,7 @@ void run_homing(JudgedDrive& drive, Random& random) {
   } else {
     drive.enable(kHoming);
   }
-  // The switch is where the axis comes after a while.
+  // The switch is at a position that the axis reaches after a while.
   const std::int32_t begin = drive.position();
   drive.word(kSetPoint);
   const ObjectAddress input{static_cast<std::uint16_t>(method == 17 ? 0x5E07 : 0x5E06), 0};
@@ -279,7 +278,7 @@ void run_synchronous(JudgedDrive& drive, Random& random) {
 
 using Master = void (*)(JudgedDrive& drive, Random& random);
 
-/// @return what was found, for a message.
+/// @return the findings, for a message.
 std::vector<std::string> told(const Verdict& verdict) {
   std::vector<std::string> texts;
   for (const Finding& finding : verdict.findings) {
@@ -320,7 +319,7 @@ TEST(RightMasters, OfSynchronousPdosGetNoFinding) {
   expect_no_finding(run_synchronous, true);
 }
 
-// The axes of a group stand in one judge, and act one after the other in each tick.
+// The axes of a group share one judge and act one after the other in each tick.
 TEST(RightMasters, OfGroupsGetNoFinding) {
   for (std::uint64_t seed = 1; seed <= last_seed(); ++seed) {
     Random random(seed);

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Each rule finds the master that breaks it, and no other rule does; a right one has no finding.
+// Each rule finds the master that breaks it, and no other rule does; a correct master has no
+// finding.
 #include "judge/planted.hpp"
 
 #include <gmock/gmock.h>

@@ -16,8 +16,8 @@ namespace {
 
 using testing::ElementsAre;
 
-/// A master with three mistakes. It sends its first word before it starts the node; it does not
-/// wait for Ready to switch on; and it never drops bit 4, so that only its first move is made.
+/// A master with three mistakes. It sends its first word before it starts the node, it does not
+/// wait for Ready to switch on, and it never clears bit 4, so that only its first move is made.
 std::string log_of_the_guide() {
   LoggedNode node;
   node.step(20);
