@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// `vdrive test` over both wires: every scenario of the project, scenarios that fail, and one with
-// every command that a scenario may have give the same verdicts, cases and messages. The scenarios
-// of the project have the same events, and the same journal, which has every tick.
+// `vdrive test` over both wires: all scenarios of the project, scenarios that fail, and one with
+// every command that a scenario may contain give the same verdicts, cases and messages. The
+// scenarios of the project also give the same events and the same journal, which contains every
+// tick.
 #include "base/exit_code.hpp"
 #include "client/session_options.hpp"
 #include "command_table.hpp"
@@ -43,8 +44,8 @@ using testing::SizeIs;
 
 using Json = nlohmann::ordered_json;
 
-/// One call of `vdrive test`, without times, without the order in which files ended that ran side
-/// by side, and without the place of a search.
+/// One call of `vdrive test`, without times, without the place of a search, and without the order
+/// in which files that ran in parallel ended.
 struct Verdicts {
   int code = 0;
   std::vector<std::string> lines;  ///< sorted
@@ -55,7 +56,7 @@ std::string without_times(const std::string& text) {
   return std::regex_replace(text, std::regex(R"re( time="[0-9.]+")re"), "");
 }
 
-/// A search names the domain or the bus, and how it went.
+/// A search names the domain or the bus, and its outcome.
 std::string without_place(const std::string& text) {
   static const std::regex place(R"re( on (this bus|domain \d+)| \(seen: [^)]*\))re");
   return std::regex_replace(text, place, "");
@@ -68,7 +69,7 @@ std::vector<std::string> lines_without_times(const Finished& finished) {
     json.erase("seconds");
     json.erase("owner");  // the random number of the session
     json.erase("owner_name");
-    json.erase("host");  // of a bench in the same process there is none
+    json.erase("host");  // a bench in the same process has none
     lines.push_back(json.dump());
   }
   return lines;
@@ -98,7 +99,7 @@ class BothWires : public testing::Test {
     return verdicts;
   }
 
-  /// @return the verdicts, which are the same over both.
+  /// @return the verdicts, which are the same over both wires.
   Verdicts test_over_both(const std::vector<std::string>& words) {
     Verdicts local = test(words, "local");
     const Verdicts dds = test(words, "dds");
@@ -114,7 +115,7 @@ class BothWires : public testing::Test {
 const std::filesystem::path kScenarios =
     std::filesystem::path(VDRIVE_SOURCE_DIR) / "clients" / "scenarios";
 
-/// @return one scenario of each kind, of those that take the least drive time.
+/// @return one scenario of each kind, those that take the least drive time.
 std::vector<std::string> short_scenarios() {
   std::vector<std::string> files;
   for (const char* const name : {"blocked_axis", "fault_reset", "homing", "quick_stop", "refusals",
@@ -124,8 +125,8 @@ std::vector<std::string> short_scenarios() {
   return files;
 }
 
-/// @return every scenario of the project with --full, which takes half a minute of a processor;
-///         else the short ones.
+/// @return every scenario of the project with --full, which takes half a minute of processor time;
+///         otherwise the short ones.
 std::vector<std::string> scenarios_of_the_project() {
   if (!number_of<bool>({.usual = false, .full = true, .nightly = true})) return short_scenarios();
   std::vector<std::string> files;
@@ -135,7 +136,8 @@ std::vector<std::string> scenarios_of_the_project() {
   return files;
 }
 
-// The verdicts of all are compared with their events and ticks below; here are those of a report.
+// The test below compares the verdicts of all, with their events and ticks; this one compares a
+// report.
 TEST_F(BothWires, GiveTheSameVerdictOfTheScenariosOfTheProject) {
   const std::vector<std::string> files = short_scenarios();
   ASSERT_FALSE(files.empty());
@@ -144,7 +146,7 @@ TEST_F(BothWires, GiveTheSameVerdictOfTheScenariosOfTheProject) {
   EXPECT_THAT(verdicts.lines, SizeIs(files.size() + 1)) << "one of each file, and the sum";
 }
 
-/// A session that carries out a scenario, and the events that it is told of.
+/// A session that runs a scenario, and the events that it receives.
 class ScenarioSession {
  public:
   explicit ScenarioSession(const client::SessionOptions& options)
@@ -165,7 +167,7 @@ class ScenarioSession {
     });
   }
 
-  /// Causes an event, and waits for it: the events before it are known then.
+  /// Causes an event and waits for it; after that all earlier events are known.
   [[nodiscard]] bool await_events() {
     constexpr std::uint32_t kTaken = 1;
     const auto told = [this] {
@@ -188,7 +190,7 @@ class ScenarioSession {
   EventLog events_;
 };
 
-/// The same scenario in a bench of this process and over DDS.
+/// Runs the scenario in a bench of this process and over DDS.
 void expect_same_run(ScenarioSession& local, ScenarioSession& over_dds, const std::string& file) {
   const Finished here = local.run(file);
   const Finished there = over_dds.run(file);
@@ -239,7 +241,7 @@ TEST_F(BothWires, GiveTheSameMessagesOfScenariosThatFail) {
        file("disabled.scn", "move 1.1 5\n"),
        file("restored.scn", "disturb 1.1 load_torque 100\nmove 1.1 5\nfinally\nstep 1\n"),
        file("fault.scn", "enable 1.1\ndisturb 1.1 over_current\nstep 5\nenable 1.1\n"),
-       // Over DDS a bench that is not there is searched for as long.
+       // Over DDS the search for a missing bench takes this long.
        "--timeout", "5"});
   EXPECT_THAT(verdicts.report, HasSubstr("failures=\"7\"")) << "those that are not below";
   EXPECT_THAT(verdicts.report, HasSubstr("errors=\"3\"")) << "axis, name and bench";
@@ -297,7 +299,7 @@ TEST_F(BothWires, GiveTheSameAnswersOfEveryCommandThatAScenarioMayHave) {
 }
 
 TEST(EveryCommand, IsThatOfTheTableOfTheTool) {
-  std::set<std::string> used{"store", "restore"};  // behind `refused CODE`
+  std::set<std::string> used{"store", "restore"};  // follow `refused CODE`
   std::istringstream lines(kEveryCommand);
   for (std::string line; std::getline(lines, line);) used.insert(line.substr(0, line.find(' ')));
   for (const tool::CommandRow* const row : tool::commands()) {

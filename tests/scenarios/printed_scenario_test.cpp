@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Sequences of the set-point model, printed and run by the tool on a bench in lock-step: the same
-// statuswords in the same ticks as in the core.
+// Sequences of the set-point model, printed and run by the tool on a bench in lock-step, give the
+// same statuswords in the same ticks as in the core.
 #include "core/support/set_point_model.hpp"
 #include "core/support/set_point_sequences.hpp"
 #include "tool/process.hpp"

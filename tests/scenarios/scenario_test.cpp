@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Every scenario of the project in lock-step, each on a bench of its own in the process that runs
-// it. both_wires_test has them over DDS.
+// Every scenario of the project in lock-step, each on its own bench in the process that runs it.
+// both_wires_test runs them over DDS.
 #include "tool/process.hpp"
 
 #include <gmock/gmock.h>
@@ -55,7 +55,7 @@ INSTANTIATE_TEST_SUITE_P(Files, Scenario, testing::ValuesIn(scenario_names()),
                            return name.param;
                          });
 
-// A socket or a memory file would be one of a wire, which a bench in the process has not.
+// A socket or a memory file would belong to a wire, which a bench in the process does not have.
 TEST(PrivateRun, OpensNoSocketAndNoMemory) {
   Process call(VDRIVE_TOOL, {"run", "--private", "-"},
                "enable 1.1\nmove 1.1 1000000 --velocity 1 --timeout 3600000\n");
