@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Conversion of one recording into another.
+// Conversion from one recording format to another.
 #include "convert.hpp"
 
 #include "recording/sample_recording.hpp"
@@ -86,7 +86,7 @@ TEST_F(Convert, OfATextUsesTheGivenPeriod) {
 
 TEST_F(Convert, OfAnIncompleteMcapGivesItsContentAndReportsIt) {
   const std::string whole = mcap_of(benches_, samples_);
-  // Without its summary: all messages are there.
+  // Without its summary all messages are still there.
   put("a.mcap", whole.substr(0, whole.size() - 100));
   const Contents contents = make("a.mcap", "b.csv");
   EXPECT_THAT(contents.cut, HasSubstr("at byte " + std::to_string(whole.size() - 100)));
@@ -117,7 +117,7 @@ TEST_F(Convert, RefusesUnusableFileNamesAndFiles) {
 }
 
 TEST_F(Convert, NamesOnlyTheFileThatCannotBeWritten) {
-  // Of both formats: one is written while the other is read.
+  // For both formats: one file is written while the other is read.
   const auto samples = samples_of(benches_[0], 2'000);
   put("a.csv", text_of(Format::csv, benches_, samples));
   put("a.mcap", mcap_of(benches_, samples));

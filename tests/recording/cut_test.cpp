@@ -20,10 +20,10 @@ using testing::HasSubstr;
 using testing::IsEmpty;
 using testing::Not;
 
-/// A recording with a chunk for each `in_chunk` samples.
+/// A recording with one chunk per `in_chunk` samples.
 struct Chunked {
   std::string bytes;
-  std::vector<std::size_t> ends;  ///< of the chunks, with their indexes
+  std::vector<std::size_t> ends;  ///< end of each chunk, including its indexes
 };
 
 Chunked chunked(const std::vector<RecordedBench>& benches,
@@ -48,13 +48,14 @@ TEST(IncompleteMcap, IsReadUpToItsLastWholeChunk) {
   const auto samples = samples_of(benches[0], 30);
   const Chunked file = chunked(benches, samples, kInChunk);
   ASSERT_EQ(file.ends.size(), 10U);
-  // Every length, from the whole magic on; a prime step meets each field of a chunk in some chunk.
+  // Every length from the complete magic on; the prime step hits each field of a chunk in some
+  // chunk.
   const auto step = number_of<std::size_t>({.usual = 23, .full = 1, .nightly = 1});
   for (std::size_t size = kMcapMagic.size(); size < file.bytes.size(); size += step) {
     SCOPED_TRACE("cut at " + std::to_string(size));
     const Read read = read_back(Format::mcap, file.bytes.substr(0, size));
     EXPECT_THAT(read.contents.cut, HasSubstr("at byte " + std::to_string(size)));
-    // The complete chunks; one that misses only its indexes has its messages too.
+    // The complete chunks; a chunk that lacks only its indexes still has its messages.
     const auto whole =
         static_cast<std::size_t>(std::ranges::count_if(file.ends, [size](std::size_t end) {
           return end <= size;
@@ -84,7 +85,7 @@ TEST(IncompleteMcap, NeverGivesOtherValuesAfterADamagedByte) {
     const std::size_t place = random() % file.ends.back();
     damaged[place] = static_cast<char>(damaged[place] ^ (1 << random() % 8));
     SCOPED_TRACE("byte " + std::to_string(place));
-    // A record that claims to be longer than the file ends the file; another one is refused.
+    // A record that claims to extend beyond the file ends the file; another one is refused.
     try {
       const Read read = read_back(Format::mcap, damaged);
       ASSERT_THAT(read.contents.cut, Not(IsEmpty()));

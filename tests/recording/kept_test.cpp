@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What version 1.0 recorded is read by every later 1.x (docs/reference/compatibility.md).
+// Every later 1.x reads recordings of version 1.0 (docs/reference/compatibility.md).
 #include "convert.hpp"
 
 #include <gtest/gtest.h>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// MCAP recordings: written files are read, damaged and foreign ones are refused.
+// MCAP recordings: written files are read back; damaged and foreign files are refused.
 #include "mcap_reader.hpp"
 #include "mcap_writer.hpp"
 #include "recording/sample_recording.hpp"
@@ -26,7 +26,8 @@ using testing::HasSubstr;
 using testing::IsEmpty;
 using testing::ThrowsMessage;
 
-/// How many records of each kind the file has, those of chunks in their place.
+/// The number of records of each kind in the file; those inside chunks are counted in place of the
+/// chunks.
 std::map<Opcode, std::size_t> kinds_of(const std::string& bytes) {
   std::istringstream stream(bytes);
   McapReader reader(stream);
@@ -88,7 +89,7 @@ TEST_P(McapOfAxes, IsReadBackUnchanged) {
   EXPECT_EQ(names_of(read.contents.benches), names_of(benches));
 }
 
-// A topic an axis up to 16 axes, one topic for all of them from 17 on.
+// One topic per axis up to 16 axes, one topic for all from 17 on.
 INSTANTIATE_TEST_SUITE_P(Mcap, McapOfAxes, testing::Values(1, 16, 17, 40));
 
 TEST(Mcap, OfSeveralBenchesSeparatesTheirSamples) {
@@ -107,12 +108,12 @@ TEST(Mcap, HasIndexesStatisticsAndMetadata) {
   const auto benches = benches_of(1, 2);
   const client::Event event{.bench = 1, .axis = 2, .tick = 1003, .text = "axis 2: halted"};
   const auto kinds = kinds_of(mcap_of(benches, samples_of(benches[0], 10), {event}));
-  // 10 samples of 2 axes and the event; the status of each axis and the events are in the chunk.
+  // 10 samples of 2 axes and the event; the chunk contains the status of each axis and the events.
   EXPECT_EQ(kinds.at(Opcode::message), 21U);
   EXPECT_EQ(kinds.at(Opcode::message_index), 3U);
   EXPECT_EQ(kinds.at(Opcode::chunk_index), 1U);
   EXPECT_EQ(kinds.at(Opcode::statistics), 1U);
-  // Bench, gaps (two samples have one) and summary.
+  // Bench, gaps (before two samples) and summary.
   EXPECT_EQ(kinds.at(Opcode::metadata), 3U);
   EXPECT_EQ(kinds.at(Opcode::metadata_index), 3U);
   // Schemas, channels, statistics, metadata, chunks.
@@ -128,8 +129,8 @@ TEST(Mcap, HasIndexesStatisticsAndMetadata) {
 TEST(Mcap, IndexesPointToTheirMessages) {
   const auto benches = benches_of(1, 1);
   const std::string bytes = mcap_of(benches, samples_of(benches[0], 3));
-  // The chunk's uncompressed records are a file's worth of messages of equal length: the offsets
-  // are multiples of it.
+  // The chunk's records are uncompressed messages of equal length, so the offsets are multiples of
+  // that length.
   const auto messages = bodies_of(bytes, Opcode::message);
   ASSERT_EQ(messages.size(), 3U);
   const auto indexes = bodies_of(bytes, Opcode::message_index);
@@ -215,7 +216,7 @@ void add_topic(Foreign& file, std::string_view schema, std::string_view text,
       .put(TextMap{});
 }
 
-/// The error of reading the bytes.
+/// @return the error of reading the bytes.
 std::string refusal_of(const std::string& bytes) {
   try {
     (void)read_back(Format::mcap, bytes);
@@ -255,7 +256,7 @@ TEST(Mcap, OfFoxgloveIsReadWithoutMetadataOfVdrive) {
   EXPECT_EQ(read.contents.benches.at(0).axes.at(0).name, "lift");
 }
 
-/// A message of the status of an axis on channel 8.
+/// A status message of an axis on channel 8.
 std::string status_record(const client::AxisSnapshot& axis) {
   std::string record;
   RecordBuilder(record, Opcode::message)
@@ -274,7 +275,7 @@ std::string status_of_tick(std::uint64_t tick, std::uint16_t axis = 1) {
   return status_record(snapshot);
 }
 
-/// A file with one chunk for each text.
+/// A file with one chunk per text.
 std::string file_with_chunks(const std::vector<std::string>& chunks) {
   Foreign file;
   const auto schema = bridge::axis_status_schema();
@@ -323,8 +324,8 @@ TEST(Mcap, OfAnotherVersionIsReadByItsSchema) {
   const StatusLayout layout(
       "# a comment\nuint8 KIND=3\nstring note\nint16 torque_actual_value  # of rated\n"
       "uint64 tick\nfloat64[] unknown\nuint16 axis\n====\nMSG: x\nint8 y\n");
-  // note "a" is 2 bytes behind its length: 6; torque -2 at 6; tick 5 at 8; two doubles: count at
-  // 16, at 24 and 32; axis at 40.
+  // note "a" takes 2 bytes after its length: up to 6; torque -2 at 6; tick 5 at 8; two doubles:
+  // count at 16, values at 24 and 32; axis at 40.
   std::string bytes("\0\1\0\0\2\0\0\0a\0\xFE\xFF\5\0\0\0\0\0\0\0\2\0\0\0\0\0\0\0", 28);
   bytes.append(16, '\x7F').append("\7\0", 2);
   const auto axes = layout.decode(bytes);
@@ -350,7 +351,7 @@ TEST(Mcap, WithAFieldOfATypeThatIsNotKnownIsRefused) {
 TEST(Mcap, InAnotherCompressionIsRefusedWithItsPlace) {
   Foreign file;
   file.chunk("lz4", "xxxx", 100);
-  // Behind the magic of 8 bytes.
+  // After the magic of 8 bytes.
   EXPECT_THAT(refusal_of(file.bytes()), AllOf(HasSubstr("'lz4'"), HasSubstr("at byte 8")));
 }
 
@@ -380,8 +381,8 @@ TEST(Mcap, WithAChunkOfAFewKilobytesThatBecomesHundredsOfMegabytesIsRefusedWithT
 TEST(Mcap, WithAChangedByteInItsDataIsRefused) {
   const auto benches = benches_of(1, 1);
   const std::string whole = mcap_of(benches, samples_of(benches[0], 3));
-  // In the name of an axis, in the metadata in front of the first chunk: no sum of a chunk covers
-  // it, that of the data does.
+  // In the name of an axis, in the metadata before the first chunk: no chunk's checksum covers it,
+  // but that of the data does.
   std::string damaged = whole;
   damaged[damaged.find("lift")] = 'L';
   EXPECT_THAT(refusal_of(damaged), HasSubstr("a wrong checksum"));

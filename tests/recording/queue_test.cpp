@@ -23,7 +23,7 @@ using testing::HasSubstr;
 
 constexpr std::chrono::seconds kDeadline{60};
 
-/// The records of a writer, and a gate in front of it.
+/// The records of a writer, with a gate in front of it.
 struct Records {
   std::mutex mutex;
   std::condition_variable changed;
@@ -73,7 +73,7 @@ TEST(RecordingQueue, LeavesOutSamplesThatAWriterCannotTakeAndNamesTheirTicks) {
   records.is_open = false;
   const auto benches = benches_of(1, 2);
   const auto samples = samples_of(benches[0], 4);  // ticks 1001 to 1004
-  // Room for one sample of two axes, no more.
+  // Room for one sample of two axes only.
   RecordingQueue queue(std::make_unique<GatedWriter>(records), 2);
   queue.push(samples[0]);
   queue.push(samples[1]);
@@ -86,7 +86,7 @@ TEST(RecordingQueue, LeavesOutSamplesThatAWriterCannotTakeAndNamesTheirTicks) {
       return records.samples.size() == 1;
     }));
   }
-  // It has room again after the first one was written.
+  // There is room again after the first sample has been written.
   const auto end = std::chrono::steady_clock::now() + kDeadline;
   auto late = samples[3];
   for (std::uint64_t tick = late.tick; std::chrono::steady_clock::now() < end; ++tick) {
@@ -97,7 +97,7 @@ TEST(RecordingQueue, LeavesOutSamplesThatAWriterCannotTakeAndNamesTheirTicks) {
   }
   const Summary summary = queue.finish();
   ASSERT_GE(records.samples.size(), 2U);
-  // At least two were left out, and those that the loop above pushed too early.
+  // At least two were omitted, plus those that the loop above pushed too early.
   const std::uint64_t missed = records.samples[1].missed;
   EXPECT_EQ(missed, records.samples[1].tick - 1002);
   EXPECT_GE(missed, 2U);
@@ -153,7 +153,7 @@ TEST(RecordingQueue, CountsEventsThatDoNotFit) {
   RecordingQueue queue(std::make_unique<GatedWriter>(records));
   queue.push(samples_of(benches[0], 1)[0]);
   {
-    // Its thread writes the present records, and takes no further ones until it continues.
+    // The queue's thread writes the current records, and takes no more until the lock is released.
     std::unique_lock lock(records.mutex);
     ASSERT_TRUE(records.changed.wait_for(lock, kDeadline, [&] {
       return records.is_waiting;
@@ -177,7 +177,7 @@ TEST(OutputFile, PassesWrittenBytesToTheSystemAtOnce) {
   OutputFile file(path);
   file.write("some ");
   file.write("bytes");
-  // A kill from here on changes nothing.
+  // From here on, killing the process changes nothing.
   std::ifstream stream(path);
   const std::string text{std::istreambuf_iterator<char>(stream), {}};
   EXPECT_EQ(text, "some bytes");

@@ -26,7 +26,7 @@ std::vector<RecordedBench> benches_of(std::size_t benches, std::size_t axes) {
       recorded.name = "lift \"" + number + "\", left";
       recorded.topic = "lift_" + number;
       if (axis % 3 == 1) recorded.unit = {client::UnitKind::linear, "mm", 1'000.0};
-      if (axis % 3 == 2) recorded.unit = client::Unit();  // of every third axis none is known
+      if (axis % 3 == 2) recorded.unit = client::Unit();  // every third axis has none
     }
     all.push_back(bench);
   }

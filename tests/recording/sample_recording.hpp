@@ -17,12 +17,12 @@ namespace vdrive::test {
 /// Benches with the given number of axes, numbered from 1, with a tick of 500 us.
 std::vector<recording::RecordedBench> benches_of(std::size_t benches, std::size_t axes);
 
-/// Samples in which every published member of every axis has a value of its own, the lowest and the
-/// highest of its type among them. The ticks count from 1,000; 2 are missed before each fifth.
+/// Samples in which every published member of every axis has a different value, including the
+/// lowest and the highest of its type. The ticks count from 1,000; 2 are missed before every fifth.
 std::vector<client::Observation> samples_of(const recording::RecordedBench& bench,
                                             std::size_t count);
 
-/// Appends what is written to a string, which outlives it.
+/// Appends the written bytes to a string, which must outlive it.
 class StringOutput final : public recording::Output {
  public:
   explicit StringOutput(std::string& bytes) : bytes_(bytes) {}
@@ -38,11 +38,11 @@ std::string mcap_of(const std::vector<recording::RecordedBench>& benches,
                     const std::vector<client::Observation>& samples,
                     const std::vector<client::Event>& events = {});
 
-/// @return the text of a recording of text.
+/// @return the text of a recording in a text format.
 std::string text_of(recording::Format format, const std::vector<recording::RecordedBench>& benches,
                     const std::vector<client::Observation>& samples);
 
-/// The content of a recording that was read.
+/// The content of a recording that was read back.
 struct Read {
   recording::Contents contents;
   std::vector<client::Observation> samples;
@@ -51,7 +51,7 @@ struct Read {
 /// @throws RecordingError
 Read read_back(recording::Format format, const std::string& bytes);
 
-/// Compares the status of axes, owner included, and what was missed.
+/// Compares the status of axes, including the owner, and the missed samples.
 /// @param has_sequence also the last sequence, which texts do not have
 void expect_equal(const std::vector<client::Observation>& read,
                   const std::vector<client::Observation>& written, bool has_sequence);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Recordings of text: CSV and JSON lines.
+// Recordings in text formats: CSV and JSON lines.
 #include "csv_field.hpp"
 #include "recording/sample_recording.hpp"
 #include "text_recording.hpp"
@@ -19,7 +19,7 @@ using testing::HasSubstr;
 
 class Text : public testing::TestWithParam<Format> {
  protected:
-  /// The error of reading a text.
+  /// @return the error of reading a text.
   [[nodiscard]] static std::string refusal_of(const std::string& text) {
     try {
       (void)read_back(GetParam(), text);
@@ -81,7 +81,7 @@ TEST_P(Text, WithAnIncompleteLineInTheMiddleIsRefusedWithItsNumber) {
 
 TEST_P(Text, WithAValueOutOfRangeIsRefusedWithRangeAndColumn) {
   std::string text = text_;
-  // The first row's statusword is of 16 bits; its name stands once in a CSV, in each line of JSON.
+  // The first row's statusword has 16 bits; its name appears once in a CSV, in each line of JSON.
   if (GetParam() == Format::csv) {
     const std::size_t end_of_header = text.find('\n');
     const auto header = csv_fields(text.substr(0, end_of_header));
@@ -131,7 +131,7 @@ TEST(CsvRecording, WithoutAColumnIsRefused) {
   EXPECT_THAT(csv_refusal(header + ",tick\n"), HasSubstr("two columns 'tick'"));
 }
 
-/// The columns after the first 'owner_epoch', of each line.
+/// Removes the columns after the first 'owner_epoch' from each line.
 std::string without_units(const std::string& text) {
   std::istringstream lines(text);
   std::string shorter;
@@ -142,7 +142,7 @@ std::string without_units(const std::string& text) {
   return shorter;
 }
 
-// 1000 UU are a millimetre.
+// 1000 UU are one millimetre.
 TEST(CsvRecording, HasTheUnitOfEachAxisAndItsPositionAndVelocityInIt) {
   const auto benches = benches_of(1, 3);
   client::Observation sample = samples_of(benches[0], 1)[0];
@@ -239,7 +239,7 @@ TEST(GapLog, NamesGapsByTheTicksAroundThem) {
   EXPECT_EQ(log.missed().text(1), "between the ticks 10 and 14 of bench 1 (3), and 1 further gap");
 }
 
-// The tick number jumped from 10 over 9,000 ticks, and two samples were lost besides.
+// The tick number jumped from 10 by 9,000 ticks, and two samples were lost in addition.
 TEST(GapLog, CountsTheTicksOfAJumpApartFromLostSamples) {
   GapLog log;
   log.note_sample(seen(1, 10));
