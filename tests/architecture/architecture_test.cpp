@@ -66,13 +66,14 @@ TEST(Architecture, RoomsIncludeOnlyWhatTheirRowOfTheTableAllows) {
   for (const SourceFile& file : files) EXPECT_THAT(check_source(file.path, file.text), IsEmpty());
 }
 
-/// A header that the build writes.
+/// Whether the build generates the header.
 bool is_generated(const std::string& name) {
   return name.starts_with("vdrive_messages") || name.starts_with("ros_messages") ||
          name == "configuration/preset_texts.hpp";
 }
 
-/// Our own headers, as a file names them, such as "byte_ring.hpp" and "vdrive/axis_bank.hpp".
+/// The headers of the project as a file includes them, such as "byte_ring.hpp" and
+/// "vdrive/axis_bank.hpp".
 std::vector<std::string> own_includes(const std::string& text) {
   constexpr std::string_view kBefore = "\n#include \"";
   std::vector<std::string> names;
@@ -96,7 +97,7 @@ std::string last_part(const std::string& path) {
   return path.substr(path.rfind('/') + 1);
 }
 
-// The path of a header of the service does not show its owner.
+// The path of a service header does not show its owner.
 TEST(Architecture, PrivateHeadersAreIncludedInTheirOwnRoomOnly) {
   const std::vector<SourceFile> files = sources();
   std::vector<std::string> paths;
@@ -112,11 +113,11 @@ TEST(Architecture, PrivateHeadersAreIncludedInTheirOwnRoomOnly) {
   }
 }
 
-/// Which file includes which headers, by their paths.
+/// The headers that each file includes, by their paths.
 using IncludeGraph = std::map<std::string, std::vector<std::string>>;
 
 IncludeGraph include_graph(const std::vector<SourceFile>& files) {
-  // Headers by the last part of their path: few have one name.
+  // Headers by the last part of their path; few share a name.
   std::multimap<std::string, const SourceFile*> headers;
   for (const SourceFile& file : files) headers.emplace(last_part(file.path), &file);
   IncludeGraph graph;
@@ -138,7 +139,7 @@ IncludeGraph include_graph(const std::vector<SourceFile>& files) {
 TEST(Architecture, NoHeaderIncludesItselfThroughOthers) {
   IncludeGraph graph = include_graph(sources());
   ASSERT_GT(graph.size(), 100U);
-  // A file without remaining includes is part of no circle.
+  // A file without remaining includes is not part of a cycle.
   const auto is_free = [&](const IncludeGraph::value_type& file) {
     return std::ranges::none_of(file.second, [&](const std::string& included) {
       return graph.contains(included);
@@ -149,7 +150,7 @@ TEST(Architecture, NoHeaderIncludesItselfThroughOthers) {
   EXPECT_THAT(graph, IsEmpty());
 }
 
-/// @return the header and what includes it, also through others.
+/// @return the header and all files that include it, directly or through others.
 std::set<std::string> reaching(const std::string& header, const IncludeGraph& graph) {
   std::set<std::string> found{header};
   const auto includes_found = [&](const IncludeGraph::value_type& file) {
@@ -166,14 +167,14 @@ std::set<std::string> reaching(const std::string& header, const IncludeGraph& gr
   return found;
 }
 
-/// @return how many of the files are compiled: sources, and the headers that are compiled alone.
+/// @return how many of the files are compiled: sources, and headers that are compiled alone.
 std::ptrdiff_t units_of(const std::set<std::string>& files) {
   return std::ranges::count_if(files, [](const std::string& path) {
     return path.ends_with(".cpp") || path.find("/include/") != std::string::npos;
   });
 }
 
-/// @return the ten headers through which most units reach a header, with their number.
+/// @return the ten headers through which most units reach a header, with the number of units.
 std::string ways_to(const std::set<std::string>& files, const IncludeGraph& graph) {
   std::multimap<std::ptrdiff_t, std::string, std::greater<>> headers;
   for (const std::string& path : files) {
@@ -200,11 +201,11 @@ std::string module_of(const std::string& path) {
   return path.substr(0, path.rfind('.'));
 }
 
-/// Which module uses which, by their paths below a folder: a header and its source are one module,
-/// so that a circle through a source counts, too.
+/// Which module uses which, by their paths below a folder. A header and its source form one module,
+/// so that a cycle through a source counts, too.
 using ModuleGraph = std::map<std::string, std::set<std::string>>;
 
-/// @param folder with a slash at its end; a file in it includes another one by its path from there
+/// @param folder with a trailing slash; a file in it includes another one by its path from there
 ModuleGraph modules_below(const std::string& folder, const std::vector<SourceFile>& files) {
   ModuleGraph modules;
   for (const SourceFile& file : files) {
@@ -219,8 +220,8 @@ ModuleGraph modules_below(const std::string& folder, const std::vector<SourceFil
   return modules;
 }
 
-/// @return what remains once the modules are removed that use none of the others: circles, and
-///         what uses them.
+/// @return the rest after removing, repeatedly, the modules that use none of the others: cycles,
+///         and modules that use them.
 ModuleGraph circles_of(ModuleGraph modules) {
   const auto is_free = [&](const auto& entry) {
     return std::ranges::none_of(entry.second, [&](const std::string& used) {
@@ -273,8 +274,8 @@ TEST(Modules, FormACircleAlsoThroughTheirSources) {
       ElementsAre(Pair("a/one", ElementsAre("b/two")), Pair("b/two", ElementsAre("a/one"))));
 }
 
-/// Names of the functions in the unnamed namespaces of a source: definitions that begin in
-/// column 1.
+/// Names of the functions in the unnamed namespaces of a source: definitions that begin in column
+/// 1.
 std::set<std::string> own_functions(const std::string& text) {
   static const Pattern function(R"re(^[A-Za-z_][^(=;]*[ &*>](\w+)\()re");
   std::set<std::string> names;
@@ -290,8 +291,8 @@ std::set<std::string> own_functions(const std::string& text) {
   return names;
 }
 
-// Of two functions with one name in one unnamed namespace the compiler takes the one that fits the
-// arguments better: it may be that of the other source.
+// If an unnamed namespace has two functions of one name, the compiler takes the one that fits the
+// arguments better, which may be that of the other source.
 TEST(Architecture, UnnamedFunctionsOfSourcesThatAreCompiledTogetherHaveDifferentNames) {
   std::size_t targets = 0;
   for (const fs::directory_entry& list :
@@ -310,11 +311,11 @@ TEST(Architecture, UnnamedFunctionsOfSourcesThatAreCompiledTogetherHaveDifferent
   EXPECT_GT(targets, 10U) << "the lists are written by vdrive_compile_together";
 }
 
-/// What the targets of the tree link, by their names without "vdrive_": CMake writes a file for
-/// each.
+/// The libraries that the targets of the tree link, by their names without "vdrive_"; CMake writes
+/// a file for each target.
 using LinkGraph = std::map<std::string, std::set<std::string>>;
 
-/// @return `name` as links know it: vdrive::core and vdrive_core are "core".
+/// @return `name` as links use it: vdrive::core and vdrive_core are "core".
 std::string short_name(const std::string& name) {
   static const Pattern parts(R"(^(\$<BUILD_INTERFACE:)?(vdrive(::|_))?)");
   const std::string rest = name.substr(parts.search(name).at(0).size());
@@ -328,7 +329,7 @@ LinkGraph link_graph() {
     std::set<std::string>& linked = graph[short_name(list.path().stem().string())];
     std::istringstream names(read(list.path()));
     for (std::string name; std::getline(names, name);) {
-      const bool is_dds = name == "fastrtps" || name == "fastdds";  // by the version
+      const bool is_dds = name == "fastrtps" || name == "fastdds";  // depending on the version
       if (!name.empty()) linked.insert(is_dds ? "Fast DDS" : short_name(name));
     }
   }
@@ -355,7 +356,7 @@ LinkGraph documented_links() {
   return graph;
 }
 
-/// Programs, whose library has a row, examples and generated code; programs of the build itself.
+/// Programs, whose library has a row; examples and generated code; programs of the build itself.
 bool needs_no_row(const std::string& target) {
   static const std::set<std::string> programs{"vdrive",         "vdrived",     "vdrive-canopen",
                                               "vdrive-gateway", "vdrive-ros2", "make_page_tables",
@@ -375,12 +376,12 @@ TEST(Architecture, LibrariesLinkWhatTheirRowOfTheDocumentSays) {
     EXPECT_EQ(linked, documented.at(target)) << target;
   }
   for (const auto& [target, linked] : documented) {
-    const bool is_optional = target == "python";  // built where pybind11 is found
+    const bool is_optional = target == "python";  // built only if pybind11 is found
     EXPECT_TRUE(is_optional || graph.contains(target)) << target << " is no target";
   }
 }
 
-/// @return all that `target` links, also through others.
+/// @return everything that `target` links, directly or through others.
 std::set<std::string> reached_from(const std::string& target, const LinkGraph& graph) {
   std::set<std::string> reached{target};
   std::vector<std::string> open{target};
@@ -429,8 +430,8 @@ TEST(Architecture, EachHeaderIsGuardedByPragmaOnce) {
   }
 }
 
-// Process 0 of kill(2) is the group of the caller: a number that was not found would stop or end
-// ctest and what started it.
+// Process 0 of kill(2) is the caller's process group: a process number that was not found would
+// stop or end ctest and its parent.
 TEST(Architecture, TestsSendSignalsOnlyThroughTheFunctionThatRefusesGroupsOfProcesses) {
   static const Pattern call(R"((^|[^A-Za-z0-9_.>])(kill|killpg)\(([^)2]|2[^)]|$))");
   for (const SourceFile& file : sources()) {

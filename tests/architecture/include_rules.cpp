@@ -12,7 +12,7 @@
 namespace vdrive::architecture {
 namespace {
 
-/// Where an included file comes from.
+/// The origin of an included file.
 enum class Origin {
   standard,     ///< <vector>
   system,       ///< <unistd.h>, <sys/socket.h>, and C's own <math.h>
@@ -44,7 +44,7 @@ constexpr std::array kPrefixes{
     PrefixRow{"vdrive/msg/", Origin::messages},
     PrefixRow{"vdrive_messages", Origin::messages},
     PrefixRow{"ros_messages", Origin::messages},
-    PrefixRow{"vdrive/service/", Origin::elsewhere},  // no header of it is public
+    PrefixRow{"vdrive/service/", Origin::elsewhere},  // the service has no public header
     PrefixRow{"vdrive/client/", Origin::client},
     PrefixRow{"vdrive/bench/", Origin::bench},
     PrefixRow{"vdrive/", Origin::core},
@@ -88,7 +88,7 @@ Origin origin_of(const Include& include) {
 }
 
 /// A folder, what it may include, and what its text may not contain. The first folder that a path
-/// starts with counts.
+/// starts with applies.
 struct RoomRow {
   std::string_view folder;
   std::span<const Origin> may_include;
@@ -109,40 +109,40 @@ constexpr std::array kClientHeaderMay{Origin::standard, Origin::eigen, Origin::c
 // A client without our library: a DDS and the code that its compiler generates from the IDL.
 constexpr std::array kRawExampleMay{Origin::standard, Origin::system, Origin::dds,
                                     Origin::messages};
-// The formats do not use DDS: they get the data of a bench from the client library. Recorded
-// messages are encoded as samples are.
+// The formats do not use DDS: they get a bench's data from the client library. Recorded messages
+// are encoded like samples.
 constexpr std::array kRecordingMay{Origin::standard, Origin::system, Origin::third_party,
                                    Origin::core,     Origin::cdr,    Origin::client,
                                    Origin::beside};
 constexpr std::array kClientMay{Origin::standard,    Origin::system, Origin::eigen,
                                 Origin::third_party, Origin::core,   Origin::wire,
                                 Origin::messages,    Origin::client, Origin::beside};
-// The tool makes benches of its own for the scenarios that it runs.
+// The tool creates benches of its own for the scenarios that it runs.
 constexpr std::array kToolMay{
     Origin::standard, Origin::system,   Origin::eigen,  Origin::third_party, Origin::core,
     Origin::wire,     Origin::messages, Origin::client, Origin::bench,       Origin::beside};
-// A bridge reads a YAML file as the service does: with the same checks and the same words.
+// A bridge reads a YAML file as the service does, with the same checks and the same messages.
 constexpr std::array kBridgeMay{Origin::standard, Origin::system,      Origin::eigen,
                                 Origin::core,     Origin::third_party, Origin::cdr,
                                 Origin::wire,     Origin::messages,    Origin::client,
                                 Origin::beside,   Origin::settings};
 // Nodes are functions of frames, states and time.
 constexpr std::array kCanopenNodeMay{Origin::standard, Origin::core, Origin::beside};
-// The judge is a function of records, and so are the sources that it has from files.
+// The judge is a function of records, and so are its sources that read files.
 constexpr std::array kJudgeMay{Origin::standard, Origin::core, Origin::beside};
 constexpr std::array kJudgeFilesMay{Origin::standard, Origin::core, Origin::beside,
                                     Origin::settings};
 constexpr std::array kJudgeReplayedMay{Origin::standard, Origin::core, Origin::messages,
                                        Origin::beside};
 constexpr std::array kJudgeLiveMay{Origin::standard, Origin::core, Origin::client, Origin::beside};
-// That bridge makes benches of its own, for masters that are tested without a network.
+// This bridge creates benches of its own, for masters that are tested without a network.
 constexpr std::array kCanopenMay{
     Origin::standard, Origin::system, Origin::eigen, Origin::core,   Origin::third_party,
     Origin::wire,     Origin::client, Origin::bench, Origin::beside, Origin::settings};
 // Python is the outside world of one bridge. It sends nothing on the wire.
 constexpr std::array kPythonMay{Origin::standard, Origin::system, Origin::eigen, Origin::python,
                                 Origin::core,     Origin::client, Origin::bench, Origin::beside};
-// The one room that knows the engine and the client library.
+// The only room that knows both the engine and the client library.
 constexpr std::array kBenchMay{Origin::standard, Origin::core,   Origin::wire,    Origin::client,
                                Origin::bench,    Origin::beside, Origin::settings};
 
@@ -182,50 +182,51 @@ constexpr std::array kRooms{
     RoomRow{"deploy/", {}, "deploy/ has no code"},
 };
 
-/// A file of core/src/drive, without its extension, or a folder of it ("modes/"), or the files of a
-/// folder whose names end alike ("modes/*_state"); the first match counts. A file includes files of
-/// lower layers only: no arrow leads upwards, none to a neighbour, so there is no circle.
+/// A file of core/src/drive without its extension, or a folder of it ("modes/"), or the files of a
+/// folder whose names end alike ("modes/*_state"); the first match applies. A file may include only
+/// files of lower layers, not of its own layer, so there is no cycle.
 struct LayerRow {
   std::string_view name;
   int layer;
 };
 
 constexpr std::array kDriveLayers{
-    LayerRow{"modes/*_state", -1},  // what a mode keeps between ticks
-    LayerRow{"habits_state", -1},   // what 5E20h makes of a drive
-    LayerRow{"probe_state", -1},    // what the touch probes keep between two looks
-    LayerRow{"state", 0},           // what an axis is
-    LayerRow{"frame", 1},           //   and where its positions count from
-    LayerRow{"block", 2},           //   and its steady ticks, side by side with others
-    LayerRow{"registers", 1},       //   and its objects
-    LayerRow{"habits", 2},          // questions about 5E20h
-    LayerRow{"faults", 2},          // what is present, the history
-    LayerRow{"limits", 2},          // questions
-    LayerRow{"stops", 2},           // questions
-    LayerRow{"target", 2},          // forgotten or seeded
-    LayerRow{"touch_probe", 2},     // edges of the inputs, latched
-    LayerRow{"window", 2},          // what has to last
-    LayerRow{"vl_units", 2},        // questions: speeds in the units of 6042h
-    LayerRow{"homing_search", 3},   // ways to a switch or a mechanical stop
+    LayerRow{"modes/*_state", -1},  // state of a mode between ticks
+    LayerRow{"habits_state", -1},   // state of the habits, 5E20h
+    LayerRow{"probe_state", -1},    // state of the touch probes between two looks
+    LayerRow{"state", 0},           // state of an axis
+    LayerRow{"frame", 1},           // origin of its positions
+    LayerRow{"block", 2},           // its steady ticks, in parallel with other axes
+    LayerRow{"registers", 1},       // its objects
+    LayerRow{"habits", 2},          // queries about 5E20h
+    LayerRow{"faults", 2},          // causes that are present, the history
+    LayerRow{"limits", 2},          // queries
+    LayerRow{"stops", 2},           // queries
+    LayerRow{"target", 2},          // reset or seeded
+    LayerRow{"touch_probe", 2},     // latched edges of the inputs
+    LayerRow{"window", 2},          // conditions that must last
+    LayerRow{"vl_units", 2},        // queries: speeds in the units of 6042h
+    LayerRow{"homing_search", 3},   // search for a switch or a mechanical stop
     LayerRow{"power", 3},           // transitions
     LayerRow{"modulo", 3},          // positions in the range 607Bh
     LayerRow{"demand", 4},          // requests, plans; no modes
     LayerRow{"interpolation", 4},   // streamed set-points; no modes
-    LayerRow{"mode", 5},            // what a mode is to the drive
-    LayerRow{"modes/", 6},          // side by side
-    LayerRow{"mode_table", 7},      // one row a mode
-    LayerRow{"controlword", 8},     // obeyed at once or later
+    LayerRow{"mode", 5},            // interface of a mode to the drive
+    LayerRow{"modes/", 6},          // independent of each other
+    LayerRow{"mode_table", 7},      // one row per mode
+    LayerRow{"controlword", 8},     // obeyed immediately or later
     LayerRow{"tick", 9},           LayerRow{"objects", 10},
 };
 
-/// Which headers of clients/bridge, such as "reports.hpp", a room includes: they stand in no room.
+/// Which headers of clients/bridge, such as "reports.hpp", a room may include; they belong to no
+/// room.
 enum class UseOfKit { none, without_bench, whole };
 
-/// Of those the ones that know no bench.
+/// Of these, the headers that know no bench.
 constexpr std::array<std::string_view, 2> kKitWithoutBench{"severity.hpp", "tcp_listen.hpp"};
 
-/// A room inside a folder, and the rooms of the folder that it may include beside itself. A new
-/// room is a new row.
+/// A room inside a folder, and the other rooms of the folder that it may include. A new room is a
+/// new row.
 struct InnerRoomRow {
   std::string_view room;
   std::vector<std::string_view> may_include;
@@ -261,7 +262,8 @@ const std::vector<InnerRoomRow>& service_rooms() {
   return rows;
 }
 
-/// "" are the files beside the rooms: main, the table of commands, and what starts one.
+/// "" stands for the files next to the rooms: main, the table of commands, and the code that starts
+/// one.
 const std::vector<InnerRoomRow>& tool_rooms() {
   static const std::vector<InnerRoomRow> rows{
       {"base", {}, "base/ is below every room"},
@@ -315,7 +317,7 @@ const std::vector<InnerRoomRow>& canopen_rooms() {
   return rows;
 }
 
-/// "node" is that of clients/canopen: how CANopen spells what a log has.
+/// "node" is that of clients/canopen: the CANopen encoding of the contents of a log.
 const std::vector<InnerRoomRow>& judge_rooms() {
   static const std::vector<InnerRoomRow> rows{
       {"judge", {}, "judge/ is a function of records, whatever their source"},
@@ -347,12 +349,12 @@ const std::array<DividedFolder, 4>& divided_folders() {
   return folders;
 }
 
-/// The only files that may include the whole engine: its drivers, and what makes it.
+/// The only files that may include the complete engine: its drivers, and what creates it.
 constexpr std::array<std::string_view, 6> kKnowTheEngine{
     "engine/bench_engine.cpp",   "clock/freerun_driver.hpp", "clock/lockstep_driver.hpp",
     "clock/realtime_driver.hpp", "clock/shutdown.hpp",       "run/bench_run.hpp"};
 
-/// Text that is forbidden in a folder ("" is all of them), as a regular expression.
+/// Text that is forbidden in a folder ("" is every folder), as a regular expression.
 struct TextRule {
   std::string_view folder;
   Pattern pattern;
@@ -360,7 +362,7 @@ struct TextRule {
   std::string_view except{};  ///< a folder in it
 };
 
-/// Standard headers, matched whole.
+/// Standard headers, matched in full.
 const std::vector<TextRule>& forbidden_headers() {
   static const std::vector<TextRule> rules{
       {"core/",
@@ -380,7 +382,7 @@ const std::vector<TextRule>& forbidden_headers() {
   return rules;
 }
 
-/// Code, searched with comments and string literals taken out.
+/// Code, searched without comments and string literals.
 const std::vector<TextRule>& forbidden_code() {
   static const Pattern dds(R"(\b(eprosima|fastdds|fastrtps|fastcdr)\b)");
   static const std::vector<TextRule> rules{
@@ -389,8 +391,8 @@ const std::vector<TextRule>& forbidden_code() {
       {"core/", Pattern(R"(\b(getenv|secure_getenv|rand|srand|printf|fopen)\s*\()"),
        "core/ has no environment, random source or file"},
       {"core/", Pattern(R"(\bthread_local\b)"), "core/ has no global state"},
-      // The results of these differ in the last bit between libraries and vector widths. What is
-      // left of <cmath> (abs, floor, round, sqrt, copysign, isfinite ...) is exact everywhere.
+      // The results of these differ in the last bit between libraries and vector widths. The rest
+      // of <cmath> (abs, floor, round, sqrt, copysign, isfinite ...) is exact everywhere.
       {"core/",
        Pattern(R"(\bstd::(a?(sin|cos|tan)h?|atan2|exp2?|expm1|log(2|10|1p|b)?|pow|cbrt|hypot|)"
                R"(fma|[lt]gamma|erfc?)\s*\()"),
@@ -426,8 +428,8 @@ std::optional<Include> parse_include(const std::string& line) {
   return Include{parts[2], parts[1] == "\""};
 }
 
-/// The line without string literals and the comment at its end. A block comment is not recognised:
-/// the style has none.
+/// The line without string literals and without a comment at its end. Block comments are not
+/// recognised: the style does not allow them.
 std::string code_of(const std::string& line) {
   static const Pattern literal(R"("([^"\\]|\\.)*")");
   std::string code;
@@ -483,7 +485,7 @@ std::optional<int> layer_of(std::string_view name) {
   return row == kDriveLayers.end() ? std::nullopt : std::optional(row->layer);
 }
 
-/// The layers of one drive. Outside of it only the bank knows its files.
+/// The layers of one drive. Outside it, only the bank may include its files.
 std::optional<std::string_view> refuse_layer(std::string_view path, const Include& include) {
   constexpr std::string_view kFolder = "core/src/drive/";
   constexpr std::string_view kPrefix = "drive/";
@@ -534,7 +536,7 @@ std::optional<std::string_view> refuse_inner_room(std::string_view path, const I
   return std::nullopt;
 }
 
-/// The whole engine, with everything that can be asked of it.
+/// The complete engine, with all its queries.
 std::optional<std::string_view> refuse_whole_engine(std::string_view path, const Include& include) {
   constexpr std::string_view kFolder = "service/src/";
   if (!path.starts_with(kFolder) || include.name != "engine/bench_engine.hpp") return std::nullopt;
@@ -542,7 +544,7 @@ std::optional<std::string_view> refuse_whole_engine(std::string_view path, const
   return "only its drivers and the program know the whole engine";
 }
 
-/// The rooms of the tool. Headers without a folder are those of other libraries, or beside main.
+/// The rooms of the tool. Headers without a folder belong to other libraries or lie next to main.
 std::optional<std::string_view> refuse_tool_room(std::string_view path, const Include& include) {
   constexpr std::string_view kFolder = "clients/tool/";
   if (!path.starts_with(kFolder)) return std::nullopt;

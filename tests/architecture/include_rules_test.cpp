@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The checker itself: each rule is shown to fail on a synthetic file that breaks it.
+// Tests of the checker itself: each rule is shown to fail on a synthetic file that breaks it.
 #include "architecture/include_rules.hpp"
 
 #include <gmock/gmock.h>

@@ -11,19 +11,19 @@
 
 namespace vdrive::architecture {
 
-/// A regular expression of POSIX, extended, with \b, \s and \w of glibc. Each line of the project
-/// is searched for several of them: std::regex takes ten times as long in a test, which is compiled
+/// A POSIX extended regular expression, with glibc's \b, \s and \w. Each line of the project is
+/// searched for several of them; std::regex takes ten times as long in a test, which is compiled
 /// without optimisation.
 class Pattern {
  public:
-  /// @throws std::invalid_argument where the text is no regular expression
+  /// @throws std::invalid_argument if the text is not a regular expression
   explicit Pattern(const std::string& text) : compiled_(new regex_t{}, Free{}) {
     if (regcomp(compiled_.get(), text.c_str(), REG_EXTENDED) != 0) {
       throw std::invalid_argument("no regular expression: " + text);
     }
   }
 
-  /// @return what matches first, then its groups; nothing where nothing matches.
+  /// @return the first match, then its groups; empty if nothing matches.
   [[nodiscard]] std::vector<std::string> search(const std::string& text) const {
     std::array<regmatch_t, 4> places{};
     if (regexec(compiled_.get(), text.c_str(), places.size(), places.data(), 0) != 0) return {};
