@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // Any frames at any time for a CANopen node: it sends valid frames, answers each SDO request once
-// (within a block transfer a block of segments), and gives the drive set-points in the order that
-// the drive needs.
+// (within a block transfer, each block of segments), and gives the drive set-points in the order
+// that the drive needs.
 #include "fuzz/support/bytes.hpp"
 #include "node/node.hpp"
 #include "node/node_object.hpp"
@@ -131,7 +131,7 @@ class FuzzedNode {
     return frame;
   }
 
-  /// Of this node or of a neighbour: RPDOs, heartbeats and emergencies.
+  /// Of this node or a neighbour: RPDOs, heartbeats and emergencies.
   Frame pdo_frame() {
     const auto function = static_cast<std::uint32_t>(bytes_.below(16)) << 7U;
     const auto node = static_cast<std::uint32_t>(bytes_.below(2));
@@ -176,7 +176,7 @@ class FuzzedNode {
     check_state();
   }
 
-  /// From the first request of a block transfer to an abort of the client.
+  /// From the first request of a block transfer to an abort by the client.
   void note_block(const Frame& frame) {
     if (frame.id != kSdoRequest || frame.is_extended || frame.is_remote) return;
     if (frame.size != kMostData) return;
@@ -191,7 +191,7 @@ class FuzzedNode {
     constexpr std::array kAborts{AbortCode::none, AbortCode::none, AbortCode::value_range_exceeded,
                                  AbortCode::refused_local_control};
     const AbortCode abort = kAborts.at(bytes_.below(kAborts.size()));
-    // A ticket of another time is ignored.
+    // A ticket of another access is ignored.
     node_.complete(access.ticket + 1, {.abort = AbortCode::none, .value = 0}, now_);
     node_.complete(access.ticket, {.abort = abort, .value = object->default_value}, now_);
   }

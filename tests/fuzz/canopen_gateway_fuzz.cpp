@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Any lines for the ASCII gateway (CiA 309-3), up to the first zero byte, and any answers of nodes
-// behind it: each command has one answer, in one line, and no transfer stays behind.
+// Any lines for the ASCII gateway (CiA 309-3), up to the first zero byte, and any answers of the
+// nodes: each command has one answer, on one line, and no transfer is left over.
 #include "bus/ascii_gateway.hpp"
 #include "bus/bus_faults.hpp"
 #include "fuzz/support/bytes.hpp"
@@ -30,7 +30,7 @@ void check_line(std::string_view line) {
          "and is one line");
 }
 
-/// A gateway with one session, and nodes that answer by the fuzzer's bytes.
+/// A gateway with one session, and nodes that answer with the fuzzer's bytes.
 class FuzzedGateway final : private GatewayHost {
  public:
   explicit FuzzedGateway(Bytes& bytes) : bytes_(bytes), gateway_({}, *this) {
@@ -43,7 +43,7 @@ class FuzzedGateway final : private GatewayHost {
     gateway_.take_line(session_, line, now_);
     while (gateway_.has_syncs()) gateway_.send_sync(now_);
     while (gateway_.next_due() && !bytes_.empty()) answer_as_node();
-    // Whoever has nothing more to say is a silent node.
+    // From here on no bytes are left, and the nodes are silent.
     while (const auto due = gateway_.next_due()) {
       now_ = *due;
       gateway_.advance(now_);
@@ -73,7 +73,7 @@ class FuzzedGateway final : private GatewayHost {
     return refusal == nullptr ? std::nullopt : std::optional(*refusal);
   }
 
-  /// Mostly for the request that was sent last, and sometimes anything.
+  /// Mostly for the last request, and sometimes anything.
   void answer_as_node() {
     Frame frame = request_;
     frame.id =

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Any text is either refused with a message that names the file, or gives a configuration that
-// the service takes and that survives being printed and read again.
+// Any text is either refused with a message that names the file, or gives a configuration that the
+// service accepts and that survives being printed and read again.
 #include "configuration/configuration_file.hpp"
 #include "fuzz/support/bytes.hpp"
 #include "vdrive/axis_bank.hpp"

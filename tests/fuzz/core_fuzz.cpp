@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // Any sequence of writes, reads, steps, power cycles, lost connections and restores keeps several
-// axes valid, gives the same result when it is repeated, and leaves no state that a power cycle
-// does not clear.
+// axes valid, gives the same result when repeated, and leaves no state that a power cycle does not
+// clear.
 #include "fuzz/support/bytes.hpp"
 #include "support/programs/model.hpp"
 #include "vdrive/axis_bank.hpp"
@@ -49,7 +49,7 @@ class Bench {
     }
   }
 
-  /// After writes: the inputs may have changed.
+  /// Called after writes: the inputs may have changed.
   void note_inputs() {
     for (std::size_t axis = 0; axis < kAxes; ++axis) {
       seen_[axis] = {speed(axis), is_left_alone(axis)};
@@ -60,7 +60,7 @@ class Bench {
 
   void restore() { bank_.restore(saved_); }
 
-  /// The same ticks once more, group by group, give the same.
+  /// Runs the same ticks again, group by group; the result must be the same.
   void step_twice(std::size_t ticks) {
     const AxisBank::Snapshot before = bank_.snapshot();
     for (std::size_t tick = 0; tick < ticks; ++tick) bank_.step();
@@ -90,10 +90,10 @@ class Bench {
            bank_.read(axis, kTestEncoderFailure).value == 0;
   }
 
-  /// Nothing but friction acts on a rigid axis without power: it never gets faster.
+  /// Only friction acts on a rigid axis without power: it never gets faster.
   void check_rest(std::size_t axis) {
     Seen& seen = seen_[axis];
-    const bool is_rigid = axis != kElasticAxis;  // a spring moves the elastic one
+    const bool is_rigid = axis != kElasticAxis;  // a spring moves the elastic axis
     if (is_rigid && seen.is_left_alone && speed(axis) > seen.speed + 1) {
       demand(!is_left_alone(axis), "no motion without power");
     }
@@ -184,9 +184,9 @@ void act(Bench& bench, Bytes& bytes) {
   }
 }
 
-/// After all that, with its inputs off and its load held until it rests, a rigid axis moves as on
-/// at first: 1000 user units with the default ramps take 0.1 s. A value that is not a number would
-/// have stayed in the plant.
+/// After all that, with its inputs off and its load held until it rests, a rigid axis moves as at
+/// the beginning: 1000 user units with the default ramps take 0.1 s. A value that is not a number
+/// would have stayed in the plant.
 void check_healed(Bench& bench, std::size_t axis) {
   constexpr std::int64_t kDistance = 1000;
   constexpr auto kPatience = std::chrono::milliseconds{400};
@@ -194,7 +194,7 @@ void check_healed(Bench& bench, std::size_t axis) {
   for (std::size_t row = 0; row < kObjectTable.size(); ++row) {
     const ObjectDescription& object = describe(static_cast<ObjectRow>(row));
     if (object.address >= kTestLoadTorque && object.address.index < 0x5F00) {
-      bank.write(axis, object.address, object.default_value);  // 0 is a place of a switch
+      bank.write(axis, object.address, object.default_value);  // 0 is a valid switch position
     }
   }
   bank.write(axis, kTestBlockedLoad, 1);

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Any bytes as a datagram: the guard's check, and its reading and changes of accepted datagrams.
+// Any bytes as a datagram: the guard's check, and its parsing and modification of accepted
+// datagrams.
 #include "guard/announcement.hpp"
 #include "guard/datagram_check.hpp"
 
@@ -14,7 +15,7 @@ void demand(bool holds) {
   if (!holds) std::abort();
 }
 
-/// As Guard::pass_discovery does it.
+/// Does the same as Guard::pass_discovery.
 void change(std::vector<std::uint8_t>& datagram) {
   Submessages submessages(datagram);
   for (Submessage submessage; !submessages.at_end() && submessages.next(submessage);) {
@@ -32,7 +33,7 @@ void change(std::vector<std::uint8_t>& datagram) {
   }
 }
 
-/// @return whether the datagram passes in this mode; then it is changed as the guard does it.
+/// @return whether the datagram passes in this mode; if so, it is modified as the guard does it.
 bool passes(std::span<const std::uint8_t> bytes, Mode mode) {
   const DatagramReport report = check_datagram(bytes, mode);
   if (report.refusal != Refusal::none) return false;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // Any bytes of a client are either a message of the protocol or refused with a sentence, and any
-// request to open a WebSocket is judged.
+// request to open a WebSocket is accepted or refused.
 #include "admission.hpp"
 #include "directory.hpp"
 #include "fuzz/support/bytes.hpp"
@@ -28,7 +28,7 @@ void check_message(const Parse& parse, std::string_view bytes) {
     const std::string_view text = error.what();
     demand(!text.empty() && text.size() < 1000, "a refusal is a sentence");
     demand(text.find('\n') == std::string_view::npos, "on one line");
-    // The answer to the client is JSON for any input.
+    // The answer to the client is JSON whatever the input.
     demand(!Json::parse(status_text(Level::error, text), nullptr, false).is_discarded(),
            "a status is JSON");
   }

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Bytes of unknown programs on every topic, and well-formed commands and requests among them. The
-// decoder refuses, or gives a message that can be written again; what receivers do with it is done:
-// the service validates, carries out and answers, a client puts status and benches together.
+// Bytes of unknown programs on every topic, with well-formed commands and requests among them. The
+// decoder refuses them or gives a message that can be written again. Receivers then process the
+// message: the service validates, executes and answers, a client collects status and benches.
 #include "engine/bench_engine.hpp"
 #include "fuzz/support/bytes.hpp"
 #include "presence/directory.hpp"
@@ -64,8 +64,8 @@ service::Configuration bench_configuration() {
   return configuration;
 }
 
-/// All that receive: a bench without network and clock, and the two parts of a client that
-/// keep what they receive.
+/// All receivers: a bench without network and clock, and the two parts of a client that keep what
+/// they receive.
 class Peers {
  public:
   Peers()
@@ -85,7 +85,7 @@ class Peers {
     handle_arrivals();
   }
 
-  /// Any bytes as the bench reads them.
+  /// Any bytes, as the bench reads them.
   void receive_by_bench(wire::TopicId topic, std::span<const std::byte> bytes) {
     inbox_.receive_sample(topic, bytes, {});
     handle_arrivals();
@@ -103,7 +103,7 @@ class Peers {
     receive_reply(sample);
   }
 
-  /// Any bytes as a client reads them.
+  /// Any bytes, as a client reads them.
   void receive_reply(std::span<const std::byte> bytes) {
     if (!wire::decode_reply(bytes, reply_, shown_)) return;
     directory_.note_sample({reply_.bench, reply_.incarnation}, reply_.tick, now_);
@@ -118,7 +118,7 @@ class Peers {
     receive_status(sample);
   }
 
-  /// Any bytes as a client reads them.
+  /// Any bytes, as a client reads them.
   void receive_status(std::span<const std::byte> bytes) {
     if (const auto frame = wire::StatusFrameView::of(bytes)) feed_.on_frame(*frame);
     while (const auto sample = feed_.take()) {
@@ -149,7 +149,7 @@ class Peers {
     check_directory();
   }
 
-  /// What a program says about itself, and how the bench passes it on.
+  /// The name that a program gives itself, and how the bench forwards it.
   void receive(const msg::SessionName& name) {
     static_cast<void>(names_.note(name));
     for (; names_.next() != nullptr; names_.pop()) {
@@ -179,7 +179,7 @@ class Peers {
 
   [[nodiscard]] std::uint64_t tick() const { return engine_.tick(); }
 
-  /// Epoch that a session received last from the bench.
+  /// The epoch that a session received last from the bench.
   [[nodiscard]] std::uint32_t epoch(std::uint64_t session) const {
     const auto found = epochs_.find(session);
     return found == epochs_.end() ? 0 : found->second;
@@ -206,7 +206,8 @@ class Peers {
     }
   }
 
-  /// Like the lock-step driver, but for few ticks, and late enough that no step waits longer.
+  /// Works like the lock-step driver, but for a few ticks and at a time at which no step still
+  /// waits.
   void handle_step(service::Arrival& arrival) {
     service::StepRequests& steps = engine_.steps();
     const service::StepRequests::Time now{};
@@ -257,7 +258,7 @@ class Peers {
     demand(shown_.size() == outgoing.axes.size(), "a reply shows the axes of its bench");
   }
 
-  /// What the bench sends is within the bounds, survives the wire and can be received.
+  /// Messages of the bench keep the bounds, survive the wire and can be received.
   template <typename Message>
   void pass_on(Message& message) {
     receive(sent(message));
@@ -287,8 +288,8 @@ class Peers {
   service::SessionNames names_{kBench};
 };
 
-/// Any bytes as a sample of this topic. As in a subscription, what is beyond the bounds reaches
-/// no participant except the bench, which answers for it.
+/// Any bytes as a sample of this topic. As in a subscription, messages beyond the bounds reach no
+/// participant except the bench, which answers them.
 template <typename Message>
 void receive_raw(std::span<const std::uint8_t> data, Peers& peers) {
   if constexpr (std::is_same_v<Message, msg::StatusFrame>) {
@@ -305,7 +306,7 @@ void receive_raw(std::span<const std::uint8_t> data, Peers& peers) {
 
 using Receiver = void (*)(std::span<const std::uint8_t>, Peers&);
 
-/// Each topic, by its number.
+/// The receiver of each topic, by topic number.
 constexpr std::array kReceivers = std::apply(
     []<typename... Message>(const wire::TopicRow<Message>&...) {
       return std::array<Receiver, sizeof...(Message)>{receive_raw<Message>...};
@@ -319,7 +320,7 @@ ObjectAddress address_from(Bytes& bytes) {
 }
 
 std::uint16_t axis_from(Bytes& bytes) {
-  return static_cast<std::uint16_t>(bytes.below(kAxes + 2));  // 0 and 4 are none
+  return static_cast<std::uint16_t>(bytes.below(kAxes + 2));  // 0 and 4 are not axes
 }
 
 template <typename Object>
@@ -330,7 +331,7 @@ void fill(Object& object, Bytes& bytes) {
   object.value = bytes.take<std::int32_t>();
 }
 
-/// A request as our client makes it.
+/// A request as our client builds it.
 msg::Request request_from(Bytes& bytes) {
   msg::Request request;
   request.client = 1;
@@ -352,7 +353,7 @@ msg::Request request_from(Bytes& bytes) {
   return request;
 }
 
-/// A frame as our client makes it, or one with a small error.
+/// A frame as our client builds it, or one with a small error.
 msg::CommandFrame frame_from(Bytes& bytes, const Peers& peers, std::uint64_t sequence) {
   msg::CommandFrame frame;
   frame.bench = kBench;

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Any bytes on the topics that command vdrive-ros2 are a message or are dropped, and any message is
-// read: its commands have finite values, its trajectory keeps the limits that it was checked
-// against, and positions that arrive irregularly are followed without a jump.
+// Any bytes on the topics that command vdrive-ros2 are a message or are dropped. Any message is
+// processed: its commands have finite values, its trajectory keeps the limits against which it was
+// checked, and positions that arrive irregularly are followed without a jump.
 #include "fuzz/support/bytes.hpp"
 #include "joint_path.hpp"
 #include "joint_tracker.hpp"
@@ -33,7 +33,7 @@ namespace wire = vdrive::wire;
 
 constexpr std::size_t kJoints = 4;
 
-/// Joints a, b, c and d; the configuration gives d to velocities.
+/// Joints a, b, c and d; the configuration assigns d to velocities.
 std::optional<JointPlace> find_joint(const std::string& name, std::string& problem) {
   if (name.size() != 1 || name < "a" || name > "d") {
     problem = "is unknown";
@@ -69,7 +69,7 @@ bool decode(std::span<const std::uint8_t> data, Message& message) {
 }
 
 /// @return small numbers most of the time, sometimes any double or a value on which a calculation
-/// may fail.
+///         may fail.
 double take_double(Bytes& bytes) {
   constexpr std::array kSpecial{0.0,
                                 -0.0,
@@ -140,7 +140,7 @@ ros::JointTrajectory take_trajectory(Bytes& bytes) {
   return message;
 }
 
-// ---- what becomes of them --------------------------------------------------------------------
+// ---- their effects --------------------------------------------------------------------------
 
 void check_commands(const ros::JointState& message) {
   const JointCommands read = read_commands(message, find_joint);
@@ -153,8 +153,8 @@ void check_commands(const ros::JointState& message) {
   }
 }
 
-/// What the check of a path missed by its rounding, and between the parts that it divides a
-/// polynomial into.
+/// Tolerance for rounding in the check of a path, and for extrema between the parts into which the
+/// check divides a polynomial.
 bool is_within(double value, double limit) {
   constexpr double kRoom = 1e-3;
   return std::abs(value) <= limit + kRoom * std::max(1.0, limit);

@@ -1,24 +1,24 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: Apache-2.0
-# Builds the fuzzers and runs each over its kept corpus and its files of the tree, then over new inputs,
-# one a processor at a time.
+# Builds the fuzzers and runs each over its kept corpus and its seed files from the tree, then over
+# new inputs, one fuzzer per processor at a time.
 #
 #   tests/fuzz/run.sh [--seconds N] [--kept] [--keep] [fuzzer...]
 #
 #   --seconds N   how long each fuzzer searches for new inputs, default 6; 300 with VDRIVE_NIGHTLY=1
 #   --kept        no new inputs, in the preset asan, which has no guidance for a search; with
-#                 VDRIVE_NIGHTLY=1 it searches all the same
-#   --keep        make the kept corpus, tests/fuzz/corpus, anew: the smallest set of inputs found
-#                 so far that reaches all the code that any of them reaches, and what is called
-#                 fixed-...: inputs that failed once
+#                 VDRIVE_NIGHTLY=1 it searches nevertheless
+#   --keep        rebuild the kept corpus, tests/fuzz/corpus: the smallest set of the inputs found
+#                 so far that reaches all the code that any of them reaches, and the files named
+#                 fixed-...: inputs that once failed
 #
-# A failing input is left in build/fuzz/failures and named. Exit code 0: none was found.
+# A failing input is stored in build/fuzz/failures and named. Exit code 0: none was found.
 set -euo pipefail
 
 root=$(cd "$(dirname "${BASH_SOURCE[0]}")/../.." && pwd)
 here=$root/tests/fuzz
 work=$root/build/fuzz
-# Inputs stay small, so that each runs in milliseconds and the kept corpus in kilobytes.
+# Inputs stay small, so that each runs in milliseconds and the kept corpus takes kilobytes.
 declare -A max_length=(
   [core_fuzz]=512 [message_fuzz]=1024 [datagram_fuzz]=2048 [configuration_fuzz]=2048
   [scenario_fuzz]=1024 [gateway_fuzz]=1024 [recording_fuzz]=4096
@@ -64,16 +64,16 @@ seed() {
   case $1 in
     configuration_fuzz)
       find "$root/deploy" -name '*.yaml' -exec cp --backup=numbered -t "$2" {} +
-      # The example of the documentation names every key.
+      # The example in the documentation names every key.
       sed -n '/^```yaml$/,/^```$/{/^```/d;p}' "$root/docs/guides/configuration.md" >"$2/documentation.yaml" ;;
     scenario_fuzz)
-      # By the line: a whole scenario is longer than an input.
+      # A few lines each: a complete scenario is longer than an input.
       cat "$root"/clients/scenarios/*.scn | sed 's/ *#.*//' | sort -u | sed '/^$/d' |
         split --lines 8 - "$2/lines-" ;;
   esac
 }
 
-# Prints how it ended; its whole output when it found something.
+# Prints the result; if something was found, the end of the output.
 run() {
   local program=$1 log=$work/$1.log
   shift
@@ -101,14 +101,15 @@ search() {
     -print_funcs=0 -artifact_prefix="$work/failures/$fuzzer-")
   [[ -f $here/dictionary/$fuzzer.dict ]] && options+=(-dict="$here/dictionary/$fuzzer.dict")
   echo "$fuzzer: $(find "$kept" -type f | wc -l) kept inputs"
-  # Every kept input first, without a time limit; then new ones, for the given time, without --kept.
+  # All kept inputs first, without a time limit; then, without --kept, new ones for the given time.
   run "$fuzzer" "${options[@]}" -runs=0 "$kept" "$seeds"
   $kept_only && return
   run "$fuzzer" "${options[@]}" -max_total_time="$seconds" "$found" "$kept" "$seeds"
   if $keep; then
     rm -rf "$fresh"
     mkdir -p "$fresh"
-    # Code reached counts, not how often: a hundred files instead of five hundred.
+    # The merge counts which code is reached, not how often: a hundred files instead of five
+    # hundred.
     run "$fuzzer" "${options[@]}" -use_counters=0 -merge=1 "$fresh" "$kept" "$seeds" "$found"
     find "$kept" -type f -name 'fixed-*' -exec cp -t "$fresh" {} +
     rm -rf "$kept"

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Any text is either a scenario, each line of which means the same on its own, or refused with the
-// line's number.
+// Any text is either a scenario, each line of which has the same meaning on its own, or refused
+// with the line number.
 #include "base/usage_error.hpp"
 #include "command_table.hpp"
 #include "fuzz/support/bytes.hpp"

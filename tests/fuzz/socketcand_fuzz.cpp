@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Any bytes of a client of the socketcand server are words or are refused: how they are divided
-// into parts changes nothing, each answer is one word, and each frame is one of classical CAN.
+// Any bytes of a client of the socketcand server are words or are refused: dividing them into parts
+// differently changes nothing, each answer is one word, and each frame is a classical CAN frame.
 #include "bus/socketcand.hpp"
 #include "fuzz/support/bytes.hpp"
 

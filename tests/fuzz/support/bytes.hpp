@@ -10,7 +10,7 @@
 
 namespace vdrive::test {
 
-/// Takes numbers from the fuzzer's bytes, the first byte highest; past the end they are 0.
+/// Takes numbers from the fuzzer's bytes, most significant byte first; past the end they are 0.
 class Bytes {
  public:
   explicit Bytes(std::span<const std::uint8_t> data) : data_(data) {}
@@ -38,7 +38,7 @@ class Bytes {
   std::span<const std::uint8_t> data_;
 };
 
-/// Ends the run as a finding when `holds` is false.
+/// Ends the run as a finding if `holds` is false.
 inline void demand(bool holds, const char* what) {
   if (!holds) {
     std::cerr << "violated: " << what << '\n';
