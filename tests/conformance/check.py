@@ -119,8 +119,8 @@ def check_communication_objects(rows):
             + [f"object {name} is none of CiA 301 that a drive has" for name in sorted(present - wanted)])
 
 
-# What a page has: letter -> (kind of statement, their number; None: at least one), and the check of
-# its rows of objects.
+# Per page: letter -> (kind of statement, their number; None: at least one), and the function that
+# checks its rows about objects.
 Page = collections.namedtuple("Page", "kinds check_objects")
 PAGES = {
     "conformance.md": Page({"M": ("statement of the manual", None), "A": ("ambiguity", 48),

@@ -34,7 +34,7 @@ FLAGS = ["-std=c++20", "-O1", "-ffp-contract=off", "-fno-math-errno", "-fno-trap
 INCLUDES = [f"-I{ROOT}/core/include", f"-I{ROOT}/core/src", f"-I{ROOT}/tests"]
 TIMEOUT_S = 60
 
-# The replacements. Each rule is tried at each place where its pattern occurs in code.
+# The replacements. Each rule is tried wherever its pattern occurs in code.
 RULES = [
     (r"==", ["!="]), (r"!=", ["=="]), (r"(?<![<>=-])<=(?!>)", ["<"]), (r"(?<![<>=-])>=", [">"]),
     (r"(?<= )<(?= )", ["<=", ">"]), (r"(?<= )>(?= )", [">=", "<"]),
@@ -144,11 +144,11 @@ def check(workshop, mutant, folder):
     recompiled = []
     tests = workshop.programs(mutant["file"])
     if mutant["file"] == TABLE:
-        # An inline table: the first copy linked is the one in force.
+        # An inline table: the linker keeps the first copy.
         overlay = folder / "include" / "vdrive" / "dictionary" / "object_table.hpp"
         overlay.parent.mkdir(parents=True, exist_ok=True)
         overlay.write_text("\n".join(lines), encoding="utf-8")
-        # The sweep over both tables first: it detects nearly all.
+        # The sweep over both tables first: it detects nearly all mutants.
         tests = sorted((t for t in tests if "dictionary" in t), key=lambda t: "effect" in t)
         recompiled = ["core/src/dictionary/dictionary.cpp", *tests]
     else:
