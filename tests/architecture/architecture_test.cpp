@@ -274,8 +274,8 @@ TEST(Modules, FormACircleAlsoThroughTheirSources) {
       ElementsAre(Pair("a/one", ElementsAre("b/two")), Pair("b/two", ElementsAre("a/one"))));
 }
 
-/// Names of the functions in the unnamed namespaces of a source: definitions that begin in column
-/// 1.
+/// Names of the functions in the unnamed namespaces of a source: definitions that begin
+/// in column 1.
 std::set<std::string> own_functions(const std::string& text) {
   static const Pattern function(R"re(^[A-Za-z_][^(=;]*[ &*>](\w+)\()re");
   std::set<std::string> names;

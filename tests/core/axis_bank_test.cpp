@@ -294,8 +294,7 @@ class MemoryFilledWith {
   }
 };
 
-// Otherwise a journal would contain memory of the process, and two journals of one program would
-// differ.
+// Otherwise journals would contain process memory, and two journals of one program would differ.
 TEST(AxisBank, WritesTheSameBytesOfASnapshotWhateverWasInTheMemoryBefore) {
   const auto bytes_after_writes = [](int byte) {
     const MemoryFilledWith filled(byte);
@@ -711,8 +710,7 @@ TEST(AxisBank, IgnoredSetPointsAreCountedBeforeTheNextTick) {
   EXPECT_EQ(bank.status(0).ignored_set_points, 1U);
 }
 
-// ---- random programmes
-// -------------------------------------------------------------------------------
+// ---- random programmes -------------------------------------------------------------------------
 
 /// Axes of every kind that the generator draws, with their programmes and a watch for each axis.
 class WatchedBank {
@@ -805,8 +803,7 @@ TEST(AxisBank, KeepsTheInvariantsOfEachAxisInRandomProgrammes) {
   }
 }
 
-// ---- any value of any object
-// ------------------------------------------------------------------------
+// ---- any value of any object -------------------------------------------------------------------
 
 std::int64_t any_value(const ObjectDescription& row, Random& random) {
   switch (random.below(4)) {
@@ -897,8 +894,7 @@ TEST(AxisBank, SurvivesAnyValueThatTheDictionaryAllows) {
   }
 }
 
-// ---- power cycle
-// ------------------------------------------------------------------------------------
+// ---- power cycle -------------------------------------------------------------------------------
 
 TEST(PowerCycle, SetsInitialValuesKeepsTheMechanicalStateAndClearsFaults) {
   AxisConfiguration configuration;
@@ -1005,8 +1001,7 @@ TEST(PowerCycle, OfOneAxisDoesNotAffectOtherAxes) {
   }
 }
 
-// ---- periods
-// ----------------------------------------------------------------------------------------
+// ---- periods -----------------------------------------------------------------------------------
 
 class Period : public testing::TestWithParam<std::int64_t> {};
 
@@ -1046,8 +1041,7 @@ TEST(AxisBank, TimesInMillisecondsHoldAtEveryPeriod) {
   }
 }
 
-// ---- refused configurations
-// -------------------------------------------------------------------------
+// ---- refused configurations --------------------------------------------------------------------
 
 std::string refusal_of(const std::vector<AxisConfiguration>& axes, microseconds period) {
   try {

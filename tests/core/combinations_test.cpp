@@ -101,7 +101,7 @@ TEST(LimitedJerkOfAPlant, EndsInAFollowingErrorAtAnEndStop) {
   EXPECT_NEAR(axis.actual(), 1'000, 1);
 }
 
-// ---- limited jerk round a modulo range ----------------------------------------------------------
+// ---- limited jerk on a modulo range ------------------------------------------------------------
 
 constexpr std::int64_t kSpanOfTable = 4'096;
 constexpr std::int64_t kPositiveWay = 2 + 128;  // 60F2h

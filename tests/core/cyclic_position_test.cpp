@@ -339,8 +339,7 @@ TEST(CyclicPosition, RunsAtEveryPeriod) {
   }
 }
 
-// ---- modes of the drive
-// ---------------------------------------------------------------------------
+// ---- modes of the drive ------------------------------------------------------------------------
 
 TEST(SupportedDriveModes, AreThoseOfTheManualThatOfInvertersAndThoseOfStreams) {
   constexpr std::array<std::int64_t, 10> kWorking{0, 1, 2, 3, 4, 6, 7, 8, 9, 10};
@@ -373,8 +372,7 @@ TEST(ModesWithoutSetPoints, IgnoreAndCountAnEdgeOfBit4) {
   }
 }
 
-// ---- neighbours
-// -----------------------------------------------------------------------------------
+// ---- neighbours --------------------------------------------------------------------------------
 
 ObjectAddress object(std::string_view name) {
   return AxisUnderTest::address_of(name);

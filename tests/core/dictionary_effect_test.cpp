@@ -33,8 +33,7 @@ struct EffectRow {
   double tolerance = 0.0;
 };
 
-// ---- situations
-// -------------------------------------------------------------------------------------
+// ---- situations --------------------------------------------------------------------------------
 
 void nothing(AxisUnderTest& /*axis*/) {}
 
@@ -101,8 +100,7 @@ void pushed(AxisUnderTest& axis) {
   axis.step(20);
 }
 
-// ---- figures
-// ----------------------------------------------------------------------------------------
+// ---- figures -----------------------------------------------------------------------------------
 
 /// Change of the demand's speed in the next tick [units/s²].
 double ramp(AxisUnderTest& axis) {
@@ -138,8 +136,7 @@ double ticks_to_reached(AxisUnderTest& axis) {
   return static_cast<double>(1 + axis.step_until_reached(500));
 }
 
-// ---- at once
-// ----------------------------------------------------------------------------------------
+// ---- immediately -------------------------------------------------------------------------------
 
 std::vector<EffectRow> stop_rows() {
   constexpr double kNormal = 409'600.0;   // default of 6084h
@@ -376,8 +373,7 @@ INSTANTIATE_TEST_SUITE_P(Torques, ImmediateEffect, testing::ValuesIn(torque_rows
 INSTANTIATE_TEST_SUITE_P(Gear, ImmediateEffect, testing::ValuesIn(gear_rows()), name_of_effect);
 INSTANTIATE_TEST_SUITE_P(Bench, ImmediateEffect, testing::ValuesIn(bench_rows()), name_of_effect);
 
-// ---- later
-// ------------------------------------------------------------------------------------------
+// ---- later -------------------------------------------------------------------------------------
 
 TEST(EffectAtSetPoint, TheTargetPositionWaitsForTheNextEdgeOfBit4) {
   AxisUnderTest axis;
@@ -404,8 +400,7 @@ TEST(EffectAtSetPoint, TheProfileVelocityWaitsForTheNextEdgeOfBit4) {
 }
 
 TEST(EffectAtSetPoint, ThePositioningOptionWaitsForTheNextEdgeOfBit4) {
-  // From the target 5000 instead of the actual position: the relative move is written during a
-  // move.
+  // From the target 5000 instead of the actual position: the relative move is written in motion.
   AxisUnderTest axis;
   axis.write("profile_velocity", 10'000);
   axis.enable();
@@ -456,8 +451,7 @@ INSTANTIATE_TEST_SUITE_P(Dictionary, EffectAtEnable, testing::ValuesIn(kAtEnable
                            return std::string(row.param.object);
                          });
 
-// ---- the rows together
-// -------------------------------------------------------------------------------
+// ---- the rows together -------------------------------------------------------------------------
 
 /// Objects of particular modes, and habits of other drives; the tests of the modes and
 /// tests/core/habits_test.cpp show their effects.

@@ -291,8 +291,7 @@ TEST(ObjectAddressCheck, NamesTheMissingPartOfEveryUnknownAddress) {
   }
 }
 
-// ---- each object x {below, lowest, default, highest, above, outside the type} x {read, write}
-// -----
+// ---- each object x {below, lowest, default, highest, above, outside the type} x {read, write} --
 
 /// 0, the methods of CiA 402-2 (15, 16, 31 and 32 are reserved), and those that search for a
 /// mechanical stop.

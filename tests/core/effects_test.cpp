@@ -426,8 +426,7 @@ TEST(EncoderNoise, IsTheSameForTheSameSeedAndAnotherForAnotherSeedAndAxis) {
   EXPECT_LT(as_other_encoder, 10);
 }
 
-// The numbers are drawn for the entire block, although the segments of a move divide the block's
-// tick.
+// The numbers are drawn for the entire block; the segments of a move divide the block's tick.
 TEST(EncoderNoise, OfAnAxisIsTheSameWhateverItsNeighboursDo) {
   std::vector<AxisConfiguration> axes = noisy_axes(1, 1.0);
   axes.front().model.encoder_noise = 0.05;

@@ -266,8 +266,7 @@ TEST(Fault, AnEncoderFailureDuringABrakingReactionRemovesThePower) {
   EXPECT_NE(axis.step_until_status(0x004F, 0x0008, 2), 0U);
 }
 
-// ---- DC link
-// ----------------------------------------------------------------------------------------
+// ---- DC link -----------------------------------------------------------------------------------
 
 TEST(DcLink, LostWithoutPowerClearsBit4AndLeadsToSwitchOnDisabledWithoutAFault) {
   for (const std::uint16_t word : {std::uint16_t{0x0000}, std::uint16_t{0x0006}}) {
@@ -314,8 +313,7 @@ TEST(DcLink, LostInAQuickStopIsAFault) {
   EXPECT_EQ(axis.read("error_code"), 0x3220);
 }
 
-// ---- following error
-// --------------------------------------------------------------------------------
+// ---- following error ---------------------------------------------------------------------------
 
 TEST(FollowingError, ABlockedLoadCausesAFollowingErrorFault) {
   AxisUnderTest axis;
@@ -423,8 +421,7 @@ TEST(FollowingError, IsMonitoredOnlyWhileTheAxisIsControlled) {
   EXPECT_GT(axis.velocity(), 1'000) << "driven by the load";
 }
 
-// ---- limit switches
-// ---------------------------------------------------------------------------------
+// ---- limit switches ----------------------------------------------------------------------------
 
 class LimitSwitch : public testing::TestWithParam<int> {
  protected:

@@ -61,7 +61,7 @@ void fail(AxisUnderTest& axis) {
   ASSERT_EQ(axis.state(), fault);
 }
 
-// ---- all of them --------------------------------------------------------------------------------
+// ---- all habits --------------------------------------------------------------------------------
 
 TEST(Habits, AreOffByDefaultAndHaveARowEach) {
   const AxisUnderTest axis;
@@ -180,7 +180,7 @@ TEST(Habits, AndWhatTheyHoldBackArePartOfASnapshot) {
   EXPECT_EQ(run(), first);
 }
 
-// ---- a: bit 12 is up right after enabling -------------------------------------------------------
+// ---- a: bit 12 is set right after enabling -----------------------------------------------------
 
 TEST(HabitAcknowledgeAtEnabling, ShowsBit12UntilTheFirstSetPointHasPassed) {
   AxisUnderTest axis;
@@ -323,7 +323,7 @@ TEST(HabitTransition16, IsAnOptionOfThePowerStateMachine) {
   }
 }
 
-// ---- e: changes of the mode are refused ---------------------------------------------------------
+// ---- e: mode changes are refused ---------------------------------------------------------------
 
 TEST(HabitModeChangeRefusal, RefusesAnotherModeUnderHalt) {
   AxisUnderTest axis;
@@ -373,7 +373,7 @@ TEST(HabitModeChangeRefusal, RefusesAnotherModeInBothCasesWith3) {
   EXPECT_EQ(axis.try_write("op_mode_cmd", 1), AbortCode::refused_in_present_device_state);
 }
 
-// ---- f: controlwords are looked at once a loop --------------------------------------------------
+// ---- f: controlwords are sampled once per loop -------------------------------------------------
 
 TEST(HabitControlwordLoop, TakesTheLastWordOfTheLoop) {
   AxisUnderTest axis;
@@ -439,7 +439,7 @@ TEST(HabitControlwordLoop, LosesNoWordWhenItIsSwitchedOff) {
   EXPECT_EQ(axis.state(), switched_on) << "the words kept their order";
 }
 
-// ---- g: power on takes its time -----------------------------------------------------------------
+// ---- g: power on is delayed --------------------------------------------------------------------
 
 TEST(HabitPowerOnTime, ShowsSwitchedOnMeanwhile) {
   AxisUnderTest axis;
@@ -512,7 +512,7 @@ TEST(HabitPowerOnTime, TakesNoSetPointMeanwhile) {
   EXPECT_EQ(axis.status().ignored_set_points, 1U);
 }
 
-// ---- h: 6061h is late ---------------------------------------------------------------------------
+// ---- h: 6061h is delayed -----------------------------------------------------------------------
 
 TEST(HabitModeDisplayDelay, ShowsAndHasTheOldModeMeanwhile) {
   AxisUnderTest axis;
@@ -544,7 +544,7 @@ TEST(HabitModeDisplayDelay, IsTakenBackWithTheMode) {
   EXPECT_EQ(axis.status().op_mode_actual, 3);
 }
 
-// ---- i: a reset is late -------------------------------------------------------------------------
+// ---- i: the fault reset is delayed -------------------------------------------------------------
 
 TEST(HabitFaultResetDelay, EndsTheFaultLater) {
   AxisUnderTest axis;
@@ -626,7 +626,7 @@ TEST(HabitPlanFromRest, LeavesStopsAsTheyAre) {
   EXPECT_EQ(axis.demand_velocity(), 9'590) << "10000 UU/s less 409600 UU/s² for 1 ms";
 }
 
-// ---- l: bits of the maker -----------------------------------------------------------------------
+// ---- l: manufacturer-specific bits -------------------------------------------------------------
 
 TEST(HabitStatuswordBits, AreShownTheOtherWayRoundInEachState) {
   AxisUnderTest axis;

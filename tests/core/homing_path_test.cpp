@@ -411,8 +411,8 @@ TEST(HomingHomeSwitch, ThatIsMissedTwiceIsAnError) {
   }
 }
 
-// In these drawings the switch extends to the end of the travel: beyond a limit switch there is
-// none.
+// In these drawings the switch extends to the end of the travel, so there is no switch beyond a
+// limit switch.
 TEST(HomingHomeSwitch, ThatIsMissedBeforeALimitSwitchIsAnErrorOfMethods3To6) {
   for (int method = 3; method <= 6; ++method) {
     for (const int number : {method, method + 16}) {

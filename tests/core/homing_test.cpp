@@ -167,8 +167,7 @@ double from_mark(double place, double marks = 4096.0) {
   return place - marks * std::round(place / marks);
 }
 
-// ---- result
-// -----------------------------------------------------------------------------------------
+// ---- result ------------------------------------------------------------------------------------
 
 class HomingMethod : public testing::TestWithParam<int> {};
 
@@ -371,8 +370,7 @@ TEST_P(HomingMethod, IgnoresAndCountsASecondEdgeAndContinuesWhenBit4Drops) {
 INSTANTIATE_TEST_SUITE_P(Homing, HomingMethod, testing::ValuesIn(kMethods),
                          testing::PrintToStringParamName());
 
-// ---- axes
-// -------------------------------------------------------------------------------------------
+// ---- axes --------------------------------------------------------------------------------------
 
 struct Machine {
   const char* name;
@@ -439,8 +437,7 @@ INSTANTIATE_TEST_SUITE_P(
         Machine{"LongestPeriod", Feedback::dual_encoder, Coupling::rigid, false, 10'000}),
     machine_name);
 
-// ---- index
-// ------------------------------------------------------------------------------------------
+// ---- index -------------------------------------------------------------------------------------
 
 TEST(HomingIndex, IgnoresTheMarkOnWhichTheMotorStands) {
   for (const int method : {33, 34}) {
@@ -531,8 +528,7 @@ TEST(HomingIndex, RepeatedRunsDoNotDrift) {
   }
 }
 
-// ---- interruptions
-// ----------------------------------------------------------------------------------
+// ---- interruptions -----------------------------------------------------------------------------
 
 /// Stages of method 1: search -, leave +, index +, and the way back.
 enum class Stage { search, leave, index, back };
@@ -793,8 +789,7 @@ TEST(HomingStart, Method37DuringBrakingTakesThePositionOfStandstill) {
   EXPECT_EQ(bench.axis.demand(), 0);
 }
 
-// ---- errors
-// ---------------------------------------------------------------------------------------
+// ---- errors ------------------------------------------------------------------------------------
 
 TEST(HomingError, OccursAtOnceWithoutAMethod) {
   Bench bench;
@@ -918,8 +913,7 @@ TEST(HomingMethodObject, AcceptsZeroAndTheSupportedMethodsOnly) {
   EXPECT_EQ(axis.try_write("homing_method", -129), AbortCode::value_too_low);
 }
 
-// ---- software limits
-// ------------------------------------------------------------------------------
+// ---- software limits ---------------------------------------------------------------------------
 
 /// 607Dh = 10 to 1000 with 3535h: bit 11 at position 0 shows whether it is in force.
 Bench limited_bench(bool need_homing) {

@@ -275,7 +275,7 @@ TEST(InterpolatedPosition, HoldsSixteenRecords) {
   EXPECT_EQ(axis.status().ignored_set_points, 0U);
 }
 
-// ---- what ends an interpolation -----------------------------------------------------------------
+// ---- ends of an interpolation ------------------------------------------------------------------
 
 TEST(InterpolatedPosition, HaltBrakesBy605DhAndBit10IsStandstill) {
   AxisUnderTest axis;

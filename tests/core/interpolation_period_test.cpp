@@ -143,8 +143,8 @@ std::int32_t largest_error_with(std::int64_t milliseconds) {
   return largest;
 }
 
-// At 31416 UU/s successive SYNCs of 10 ms are 314 UU apart: without 60C2h the demand jumps by that
-// much.
+// At 31416 UU/s the positions of two SYNCs, 10 ms apart, differ by 314 UU: without 60C2h the demand
+// jumps by that much.
 TEST(InterpolationPeriod, LetsTheAxisFollowASlowStreamWithoutJumps) {
   EXPECT_LT(5 * largest_error_with(10), largest_error_with(0));
 }
@@ -285,7 +285,7 @@ TEST(InterpolationPeriod, FollowsItsFormulaForAnySetPoints) {
   }
 }
 
-// ---- the time -----------------------------------------------------------------------------------
+// ---- the duration ------------------------------------------------------------------------------
 
 struct TimeOfAWay {
   std::int64_t tick_us;  // of the bench
@@ -294,8 +294,8 @@ struct TimeOfAWay {
   int ticks;
 };
 
-// A fraction of a tick counts as a full tick: 2.5 ms are three ticks of 1 ms, 1 ms is four of 333
-// us.
+// A fraction of a tick counts as a full tick: 2.5 ms are three ticks of 1 ms, 1 ms is four
+// of 333 us.
 constexpr std::array<TimeOfAWay, 19> kTimesOfWays{{
     {1'000, 10, -3, 10}, {1'000, 100, -4, 10}, {1'000, 1, -2, 10},    {1'000, 250, -4, 25},
     {1'000, 1, -1, 100}, {1'000, 1, 0, 1'000}, {1'000, 2, -3, 2},     {1'000, 25, -4, 3},
@@ -490,7 +490,7 @@ TEST(InterpolationPeriod, IsTheDemandThatTheFollowingErrorCounts) {
             7U);
 }
 
-// ---- what ends a way ----------------------------------------------------------------------------
+// ---- ends of a way -----------------------------------------------------------------------------
 
 /// Halfway to 1000, at 100000 UU/s; stops brake with 1000000 UU/s².
 void go_half_the_way(AxisUnderTest& axis) {

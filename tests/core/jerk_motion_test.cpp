@@ -435,8 +435,8 @@ TEST(LimitedJerk, KeepsItsSpeedBehindAStopThatALimitSwitchLetsGo) {
 }
 
 TEST(LimitedJerk, MakesAnAxisThatSpeedsUpFasterBeforeItHalts) {
-  // 0.05 s: 4096000·0.05 = 204800 UU/s² and 5120 UU/s. The acceleration ends 0.05 s later, at 10240
-  // UU/s.
+  // 0.05 s: 4096000·0.05 = 204800 UU/s² and 5120 UU/s. The acceleration ends 0.05 s later,
+  // at 10240 UU/s.
   AxisUnderTest axis;
   limit_jerk(axis, 4'096'000);
   axis.write("following_error_window", 0xFFFFFFFF);

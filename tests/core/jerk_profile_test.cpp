@@ -162,9 +162,9 @@ TEST(JerkProfile, TurnsWithTheSmallerAccelerationOfBothRamps) {
     EXPECT_NEAR(turning, 50.0, 0.25);
     EXPECT_NEAR(slowing, deceleration, 1.0e-9);
     EXPECT_NEAR(speeding, acceleration, 1.0e-9);
-    // The ramp with 50 units/s²: 0.05 s for 1.25 units/s at its outer end, held for 98.75/50 =
-    // 1.975 s. The ramp with 200: 0.2 s and 20 units/s, held for 61.25/200 = 0.30625 s, 0.15 s and
-    // 18.75 units/s between 50 and 200 units/s².
+    // The ramp with 50 units/s²: 0.05 s for 1.25 units/s at its outer end, held for
+    // 98.75/50 = 1.975 s. The ramp with 200: 0.2 s and 20 units/s, held for 61.25/200 = 0.30625 s,
+    // 0.15 s and 18.75 units/s between 50 and 200 units/s².
     const JerkSegment& last = profile.segment(profile.segment_count() - 2);
     EXPECT_NEAR(last.end_time, 0.05 + 1.975 + 0.2 + 0.30625 + 0.15, 1.0e-12);
   }
@@ -231,8 +231,8 @@ TEST(JerkProfile, GoesBeyondItsTargetWhereTheJerkIsLoweredAtTheBeginOfItsBraking
 TEST(JerkProfile, TurnsBeforeItsTargetWhereTheJerkIsLoweredAtTheEndOfItsBraking) {
   // 20 units/s at -200 units/s²: with 1000 units/s³ 0.2 s and 20·0.2 - 200·0.2²/2 + 1000·0.2³/6 =
   // 4/3 units to rest. With 500 the acceleration ends after 0.4 s, at -20 units/s and -8/3 units.
-  // From there to 20 units/s takes 2·√(40/500) s and no distance, the stop 2·√(20/500) s and 4
-  // units.
+  // From there to 20 units/s takes 2·√(40/500) s and no distance, the stop 2·√(20/500) s
+  // and 4 units.
   const MotionJerk lowered{.acceleration = 500.0, .deceleration = 500.0};
   const JerkProfile profile = plan_jerk_move({0.0, 20.0, -200.0}, 4.0 / 3.0, kLimits, lowered);
 

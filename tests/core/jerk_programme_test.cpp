@@ -10,9 +10,9 @@
 //
 // No motion of a programme violates a limit between the instants of the grid, so none may get
 // farther than the target. The grid contains the instants of the plan, so one of them gets as far.
-// This is exact. Motions that do not fit the grid are bounded by weak duality with the prices y >=
-// 0 of the programme, whose rows bound α·v + β·a at an instant t to b. For any motion x, on a grid
-// or not, with jerk j(t),
+// This is exact. Motions that do not fit the grid are bounded by weak duality with the prices
+// y >= 0 of the programme, whose rows bound α·v + β·a at an instant t to b. For any motion x, on a
+// grid or not, with jerk j(t),
 //   d·x(T) <= Σ y·b + ∫ j(t)·p(t) dt <= Σ y·b + ∫ J·|p(t)| dt,
 //   p(t) = d·(T - t)²/2 - Σ over t_k > t of y_k·(α_k·(t_k - t) + β_k).
 // Such a motion may violate one kind of row: v + a·h/2, which bounds the velocity within a step, by
@@ -59,8 +59,7 @@ struct GridBound {
   double broken_between = 0.0;  ///< by how much a motion that keeps every limit may exceed it
 };
 
-/// @return the integral of |p| over `length`; p is quadratic with these values at begin, middle,
-///         end.
+/// @return the integral over `length` of |p|, p quadratic with these values at begin, middle, end.
 double integral_of_absolute(double begin, double middle, double end, double length) {
   const double square = 2.0 * (begin - 2.0 * middle + end);
   const double slope = end - begin - square;
@@ -111,8 +110,7 @@ class MotionProgramme {
            programme_.proof_of_none(solution_.prices) < 0.0;
   }
 
-  /// @return the distance of the motion that was found. @pre is_solved(), as for all functions
-  ///         below
+  /// @return the distance of the motion that was found. @pre is_solved(), also for all below
   [[nodiscard]] double reach() const {
     return at_no_jerk() + programme_.value(solution_.variables);
   }
@@ -125,8 +123,7 @@ class MotionProgramme {
     return at_no_jerk() + programme_.ceiling(solution_.prices);
   }
 
-  /// @return a distance that no motion over these stretches exceeds, whatever its jerk within the
-  ///         steps.
+  /// @return a distance that no motion over these stretches exceeds, whatever its jerk in a step.
   [[nodiscard]] double reach_of_any() const {
     double sum = at_no_jerk();
     for (std::size_t i = 0; i < bounds_.size(); ++i) {
@@ -259,7 +256,7 @@ class MotionProgramme {
   LinearProgramme::Solution solution_;
 };
 
-// ---- the judge ----------------------------------------------------------------------------------
+// ---- the checker -------------------------------------------------------------------------------
 
 TEST(LinearProgramme, FindsTheCornerThatIsWorkedByHand) {
   // x + 2y with x + y <= 1 and 2y - 2x <= 1: the lines meet at x = 0.25, y = 0.75, which gives
@@ -495,8 +492,7 @@ struct Judged {
   std::size_t unproven = 0;  ///< those that ended without a proof either way
 };
 
-/// No motion over the stretches of the plan gets farther in its duration, and the grid contains the
-/// plan.
+/// No motion over the stretches of the plan gets farther in its time; the grid contains the plan.
 void expect_the_farthest_of_its_pattern(const JudgedMove& m, Judged& sum) {
   constexpr std::size_t kSteps = 48;
   const MotionProgramme programme(m.start, m.limits, stretches_of(m, kSteps), m.direction);
@@ -512,8 +508,7 @@ void expect_the_farthest_of_its_pattern(const JudgedMove& m, Judged& sum) {
 /// Signs of velocity and ramp of successive stretches.
 using Pattern = std::vector<std::pair<double, double>>;
 
-/// Up to three alternating signs of the velocity, beginning with that of the start; from rest with
-/// either.
+/// Up to three alternating signs of the velocity; the first is that of the start, at rest either.
 std::vector<Pattern> patterns_of_signs(const MotionSample& start) {
   std::vector<Pattern> patterns;
   for (const double first : {1.0, -1.0}) {

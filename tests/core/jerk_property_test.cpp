@@ -188,8 +188,7 @@ VelocityRange velocities_of_move(const JerkCase& c, const JerkTolerance& slack) 
   return {-backward - slack.velocity, forward + slack.velocity};
 }
 
-/// @return the shortest time in which the velocity falls by `span`, with no acceleration at both
-///         ends.
+/// @return the shortest time in which the velocity falls by `span`, from no acceleration to none.
 double time_of_fall(double span, double deceleration, double jerk) {
   const bool is_capped = span > deceleration * deceleration / jerk;
   return is_capped ? span / deceleration + deceleration / jerk : 2.0 * std::sqrt(span / jerk);
@@ -568,7 +567,7 @@ TEST(JerkProfileProperty, DoesNotAllocate) {
   EXPECT_TRUE(std::isfinite(sum));
 }
 
-// ---- the time -----------------------------------------------------------------------------------
+// ---- the duration ------------------------------------------------------------------------------
 
 TEST(JerkOracle, HasTheTimesThatAreWorkedByHand) {
   // See JerkProfile.TurnsWithTheSmallerAccelerationOfBothRamps: slowing down with 50 units/s²,

@@ -86,9 +86,9 @@ TEST(LoopReport, FindsTheRingingOfALightlyDampedLoad) {
 
 TEST(Loops, OfALiftHaveTheBandwidthOfItsShaft) {
   const LoopReport report = examine_loops(lift(), kLoopPeriod);
-  // The damping of the velocity loop is matched to the spring: r² sqrt(k J) / Jm = 0.01 · 14.14 /
-  // 3e-4 = 471 1/s, which is 17.3 Hz with 4.33 times the motor's inertia; the position loop is
-  // reduced in proportion to 2.8 Hz.
+  // The damping of the velocity loop is matched to the spring:
+  // r² sqrt(k J) / Jm = 0.01 · 14.14 / 3e-4 = 471 1/s, which is 17.3 Hz with 4.33 times the motor's
+  // inertia. The position loop is reduced in proportion, to 2.8 Hz.
   EXPECT_NEAR(report.velocity_bandwidth, 17.3, 0.1);
   EXPECT_NEAR(report.position_bandwidth, 2.77, 0.01);
   EXPECT_LT(report.ringing_time, 0.1);

@@ -66,8 +66,7 @@ constexpr std::array<PowerState, 8> kStates{
     not_ready_to_switch_on, switch_on_disabled, ready_to_switch_on,    switched_on,
     operation_enabled,      quick_stop_active,  fault_reaction_active, fault};
 
-// ---- the tables of objects
-// --------------------------------------------------------------------------
+// ---- the tables of objects ---------------------------------------------------------------------
 
 TEST(Manual, EveryWritableObjectAcceptsAWriteInEveryState) {
   // Column DriveStatus: "Any Status" in each writable row.
@@ -85,8 +84,7 @@ TEST(Manual, EveryWritableObjectAcceptsAWriteInEveryState) {
   }
 }
 
-// ---- controlword
-// ------------------------------------------------------------------------------------
+// ---- controlword -------------------------------------------------------------------------------
 
 /// Statusword and demand of each tick of a complete run, with `extra` set in every controlword.
 std::vector<std::tuple<std::uint16_t, std::int32_t>> life_with(std::uint16_t extra) {
@@ -127,8 +125,7 @@ TEST(Manual, EnablingFromSwitchOnDisabledCanBeTurnedOff) {
   EXPECT_EQ(axis.command(0x000F), 0x0637);
 }
 
-// ---- mode
-// -------------------------------------------------------------------------------------------
+// ---- mode --------------------------------------------------------------------------------------
 
 TEST(Manual, TheModeChangesAt1637AndBit12IsLowOnReentry) {
   // 0x1637 is shown at rest although bit 4 of the controlword is still 1; entering the mode is not
@@ -151,8 +148,7 @@ TEST(Manual, TheModeChangesAt1637AndBit12IsLowOnReentry) {
   EXPECT_EQ(axis.demand(), 1'000);
 }
 
-// ---- statusword and 3005h
-// ---------------------------------------------------------------------------
+// ---- statusword and 3005h ----------------------------------------------------------------------
 
 TEST(Manual, TheMotorIsEnabledInOperationEnabledAndQuickStopActiveOnly) {
   // Table of 3005h. It does not list Fault reaction active: the motor brakes, so it is enabled.
@@ -180,8 +176,7 @@ TEST(Manual, EveryStateShowsVoltageAndRemoteAndNoReservedBit) {
   }
 }
 
-// ---- 607Ah
-// ------------------------------------------------------------------------------------------
+// ---- 607Ah -------------------------------------------------------------------------------------
 
 TEST(Manual, AnAbsoluteTargetIsApproachedFromWhicheverSideTheAxisStands) {
   // 6064h above 607Ah: negative; below: positive. Whatever the signs of the two.
@@ -239,8 +234,7 @@ TEST(Manual, ThePositioningOptionCodeMattersToRelativeMovesOnly) {
   }
 }
 
-// ---- 607Dh
-// ------------------------------------------------------------------------------------------
+// ---- 607Dh -------------------------------------------------------------------------------------
 
 TEST(Manual, TheAxisWarnsBeyondEitherSoftwareLimit) {
   for (const int sign : {1, -1}) {
@@ -255,8 +249,7 @@ TEST(Manual, TheAxisWarnsBeyondEitherSoftwareLimit) {
   }
 }
 
-// ---- speed
-// ------------------------------------------------------------------------------------------
+// ---- speed -------------------------------------------------------------------------------------
 
 /// Highest |606Ch| within a second of a move with the given 6081h and the default ramps.
 std::int32_t top_speed(AxisUnderTest& axis, std::int64_t velocity) {
@@ -295,8 +288,7 @@ TEST(Manual, TheSpeedLimitBoundsTheActualSpeed) {
   }
 }
 
-// ---- acceleration and deceleration
-// ------------------------------------------------------------------
+// ---- acceleration and deceleration -------------------------------------------------------------
 
 /// Ticks from the set-point until 606Bh is the profile velocity of 10000/s, and from a halt to 0.
 struct RampTimes {
@@ -367,8 +359,8 @@ TEST(Manual, ADecelerationLimitOf0CountsAs1) {
 }
 
 TEST(Manual, TheExampleRunsWithTheDefaultRamps) {
-  // Rows 5 and 6: "the default value will do". 10000 at 1000/s and 409600/s²: 10 s + 1000/409600 =
-  // 10.00244 s, tick 10003.
+  // Rows 5 and 6: "the default value will do". 10000 at 1000/s and 409600/s²: 10 s +
+  // 1000/409600 = 10.00244 s, tick 10003.
   AxisUnderTest axis;
   axis.enable();
   axis.write("profile_velocity", 1'000);
@@ -395,8 +387,7 @@ TEST(Manual, TheNegativeExampleStartsEnabledOrFromReadyToSwitchOn) {
   }
 }
 
-// ---- torque and current
-// -----------------------------------------------------------------------------
+// ---- torque and current ------------------------------------------------------------------------
 
 TEST(Manual, TheCurrentStaysBetweenBothTorqueLimits) {
   // -60E1h <= 6078h <= 60E0h in each tick, with a load that needs more on either side.
@@ -464,12 +455,11 @@ TEST(Manual, ATorqueLimitOf0IsOff) {
   }
 }
 
-// ---- derived values
-// ---------------------------------------------------------------------------------
+// ---- derived values ----------------------------------------------------------------------------
 
 TEST(Manual, EachEncoderHasItsOwnPositionError) {
-  // 3573h = 6062h - 3572h, 3575h = 606Bh - 3574h (encoder 1, motor); 60F4h = 6062h - 6064h, 351Eh =
-  // 606Bh - 606Ch (encoder 2, load): on a soft shaft the two encoders differ.
+  // 3573h = 6062h - 3572h, 3575h = 606Bh - 3574h (encoder 1, motor); 60F4h = 6062h - 6064h,
+  // 351Eh = 606Bh - 606Ch (encoder 2, load): on a soft shaft the two encoders differ.
   AxisConfiguration configuration;
   configuration.model.coupling = Coupling::two_inertia;
   configuration.model.coupling_stiffness = 50.0;

@@ -23,8 +23,8 @@ constexpr std::int32_t kBy6084h = 50;
 constexpr std::int32_t kBy609Ah = 80;
 constexpr std::int32_t kBy6085h = 100;
 constexpr std::int32_t kBy60C6h = 200;
-// 6049h and 604Ah in rpm per second: 1125 x 4096 / 60 = 76800 UU/s², 1800 x 4096 / 60 = 122880
-// UU/s².
+// 6049h and 604Ah in rpm per second: 1125 x 4096 / 60 = 76800 UU/s²,
+// 1800 x 4096 / 60 = 122880 UU/s².
 constexpr std::int64_t kRpmOf6049h = 1'125;
 constexpr std::int64_t kRpmOf604Ah = 1'800;
 constexpr std::int32_t kBy6049h = 77;

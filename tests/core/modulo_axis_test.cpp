@@ -84,8 +84,7 @@ std::int64_t way_to(AxisUnderTest& axis, std::int64_t target, std::int64_t optio
   return way.units();
 }
 
-// ---- the range
-// ------------------------------------------------------------------------------------
+// ---- the range ---------------------------------------------------------------------------------
 
 TEST(PositionRange, IsOffByDefaultAndWhereItsLimitsAreNotInOrder) {
   struct Range {
@@ -242,8 +241,7 @@ TEST(PositionRange, ComesWithASnapshot) {
   EXPECT_EQ(other.status_hash(), bank.status_hash());
 }
 
-// ---- 60F2h
-// ----------------------------------------------------------------------------------------
+// ---- 60F2h -------------------------------------------------------------------------------------
 
 TEST(RotaryDirection, IsRefusedWithoutARangeAndOnlyBits6And7AreNewWithOne) {
   AxisUnderTest linear;
@@ -475,8 +473,7 @@ TEST_F(RotaryRetarget, ShortestIsJudgedFromThePlaceOfRest) {
   EXPECT_FALSE(turned_back());
 }
 
-// ---- cyclic synchronous position
-// ------------------------------------------------------------------
+// ---- cyclic synchronous position ---------------------------------------------------------------
 
 TEST(ModuloAxis, StreamsRoundTheEndOfItsRange) {
   AxisUnderTest axis(table_at(4'080));

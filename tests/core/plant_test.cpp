@@ -42,8 +42,7 @@ void saturate(AxisUnderTest& axis, int sign) {
   axis.command(0x003F);
 }
 
-// ---- free motion
-// ------------------------------------------------------------------------------------
+// ---- free motion -------------------------------------------------------------------------------
 
 TEST(Plant, AcceleratesFreelyUnderAConstantTorqueLimit) {
   for (const int sign : {1, -1}) {
@@ -143,8 +142,7 @@ TEST(Plant, MovesOnlyAboveTheBreakAwayTorque) {
   }
 }
 
-// ---- torque limits
-// ----------------------------------------------------------------------------------
+// ---- torque limits -----------------------------------------------------------------------------
 
 TEST(Plant, TorqueLimitsHoldForEachSignSeparately) {
   for (const std::int64_t limit : {100, 500}) {
@@ -209,8 +207,7 @@ TEST(Plant, CurrentAndTorqueBalanceTheLoadAtRest) {
   EXPECT_EQ(axis.status().current_error_value, 0);
 }
 
-// ---- two inertias
-// -----------------------------------------------------------------------------------
+// ---- two inertias ------------------------------------------------------------------------------
 
 /// Two equal inertias of 3e-4 kg.m2 on a soft shaft, free of friction.
 AxisConfiguration elastic(double stiffness) {
@@ -318,8 +315,7 @@ TEST(Plant, ABlockedLoadHoldsTheMotorOnItsShaft) {
   EXPECT_NEAR(axis.status().motor_position_actual_value, 0.015 * kUnitsPerRadian, 1.0);
 }
 
-// ---- gear
-// -------------------------------------------------------------------------------------------
+// ---- gear --------------------------------------------------------------------------------------
 
 TEST(Plant, TheLoadTurnsWithTheMotorTimesNumeratorOverDenominator) {
   struct Row {
@@ -401,8 +397,7 @@ TEST(Plant, SettingTheGearDoesNotMoveTheLoad) {
   EXPECT_EQ(axis.actual(), 12'345);
 }
 
-// ---- encoders
-// ---------------------------------------------------------------------------------------
+// ---- encoders ----------------------------------------------------------------------------------
 
 TEST(Plant, ACoarseEncoderShowsItsCountsInTheSpeed) {
   AxisConfiguration configuration;
@@ -447,8 +442,7 @@ TEST(Plant, WithOneEncoderBothReadingsComeFromTheMotor) {
   }
 }
 
-// ---- loops
-// ------------------------------------------------------------------------------------------
+// ---- loops -------------------------------------------------------------------------------------
 
 TEST(Plant, TheDefaultAxisFollowsTheManualsExampleWithinTwoUnitsAndSettlesToTheUnit) {
   AxisUnderTest axis;
@@ -527,8 +521,7 @@ TEST(Plant, AntiWindUpLetsAReleasedAxisReturnAndSettle) {
   EXPECT_EQ(axis.actual(), 20'000) << "three seconds of saturation are not in the integrator";
 }
 
-// ---- sub-steps
-// --------------------------------------------------------------------------------------
+// ---- sub-steps ---------------------------------------------------------------------------------
 
 // The largest 5E00h accelerates the default axis by 2.1e6 N.m / 6e-4 kg.m² = 3.6e9 rad/s².
 // 1,000,000 rpm are 68,266,667 UU/s.
@@ -584,11 +577,9 @@ TEST(Plant, CoulombStopsConvergeWithTheSubStep) {
   }
 }
 
-// ---- the model by itself, at any sub-step
-// -----------------------------------------------------------
+// ---- the model alone, at any sub-step ----------------------------------------------------------
 
-/// One free axis of the servo kernel, without power: its exact state, advanced in sub-steps of any
-/// length.
+/// One free axis of the servo kernel, without power: its exact state, stepped by any sub-step.
 class FreeAxis {
  public:
   FreeAxis(const AxisModel& model, const Gear& gear, double substep)
@@ -758,8 +749,8 @@ TEST(PlantModel, LinearMotionDoesNotDependOnTheSubStep) {
 
 TEST(PlantModel, ACoulombStopConvergesWithTheSquareOfTheSubStep) {
   // Until the stop each sub-step is exact. The axis enters the last one with a·θh and would still
-  // travel a(θh)²/2; the kernel lets it travel h/2 times its speed, aθh²/2. The difference a h² θ(1
-  // - θ)/2 is greatest for θ = 1/2: a h²/8, a quarter of that for half the sub-step.
+  // travel a(θh)²/2; the kernel lets it travel h/2 times its speed, aθh²/2. The difference a h²
+  // θ(1 - θ)/2 is greatest for θ = 1/2: a h²/8, a quarter of that for half the sub-step.
   AxisModel model = frictionless().model;
   model.coulomb_friction = 0.06;
   const double a = 0.06 / 6.0e-4;  // 100 rad/s²

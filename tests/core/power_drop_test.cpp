@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// 5E0Bh: the drive drops from Operation enabled to Switched on without a command and without a
-// fault.
+// 5E0Bh: the drive drops from Operation enabled to Switched on without a command or a fault.
 #include "core/support/axis_under_test.hpp"
 
 #include <gtest/gtest.h>

@@ -23,8 +23,7 @@ namespace {
 using test::AxisUnderTest;
 using enum PowerState;
 
-// ---- the model
-// ------------------------------------------------------------------------------------
+// ---- the model ---------------------------------------------------------------------------------
 
 /// Everything that decides the effect of a written word.
 struct Situation {
@@ -129,8 +128,7 @@ Reaction expected_reaction(const Situation& s) {
   return {cell->next, PowerCommand::none, cell->transitions};
 }
 
-// ---- the machine by itself
-// ------------------------------------------------------------------------
+// ---- the machine alone -------------------------------------------------------------------------
 
 /// A machine that its own events have brought into `state`.
 PowerStateMachine machine_in(PowerState state, PowerCommand pending = PowerCommand::none) {
@@ -326,8 +324,7 @@ TEST(PowerStateMachine, InitialisingLeavesOnlyNotReadyToSwitchOn) {
   }
 }
 
-// ---- on a whole axis
-// ----------------------------------------------------------------------------------
+// ---- on a complete axis ------------------------------------------------------------------------
 
 TEST(ReactionMatrix, T5DisableOperationAtRestEndsWithinTwoTicks) {
   AxisUnderTest axis;
@@ -337,8 +334,7 @@ TEST(ReactionMatrix, T5DisableOperationAtRestEndsWithinTwoTicks) {
   EXPECT_EQ(axis.statusword(), 0x0233) << "the manual's 563";
 }
 
-// ---- every word x previous bit 7 x {nothing, fault, master silent, DC link lost}
-// -------------------
+// ---- every word x previous bit 7 x {nothing, fault, master silent, DC link lost} ---------------
 
 enum class Event { nothing, fault, master_silent, dc_link_lost };
 
@@ -497,8 +493,7 @@ INSTANTIATE_TEST_SUITE_P(PowerStateMachine, EveryControlword,
                                          quick_stop_active, fault_reaction_active, fault),
                          name_of_state);
 
-// ---- random walks
-// ----------------------------------------------------------------------------------
+// ---- random walks ------------------------------------------------------------------------------
 
 struct OptionObject {
   const char* name;

@@ -45,8 +45,7 @@ class ProfilePosition : public testing::Test {
   AxisUnderTest axis;
 };
 
-// ---- the manual's tables
-// ----------------------------------------------------------------------------
+// ---- the manual's tables -----------------------------------------------------------------------
 
 void run_manual_example(AxisUnderTest& axis, std::int64_t target) {
   EXPECT_EQ(axis.command(0x0006), 0x0231);
@@ -135,8 +134,7 @@ TEST_F(ProfilePosition, TheManualsActionTableHolds) {
   }
 }
 
-// ---- handshake
-// --------------------------------------------------------------------------------------
+// ---- handshake ---------------------------------------------------------------------------------
 
 TEST_F(ProfilePosition, NothingMovesWithoutARisingEdgeOfBit4) {
   axis.enable();
@@ -244,8 +242,7 @@ TEST_F(ProfilePosition, AProfileVelocityOf0IsAcknowledgedAndDoesNotMove) {
   EXPECT_EQ(axis.demand(), 0);
 }
 
-// ---- buffering
-// --------------------------------------------------------------------------------------
+// ---- buffering ---------------------------------------------------------------------------------
 
 TEST_F(ProfilePosition, ABufferedSetPointKeepsTheAcknowledgeAndStartsWhenTheFirstIsReached) {
   axis.enable();
@@ -352,8 +349,7 @@ TEST_F(ProfilePosition, TheQueueIsDroppedOnLeavingOperationEnabled) {
   EXPECT_EQ(axis.statusword(), 0x0637);
 }
 
-// ---- change immediately
-// -----------------------------------------------------------------------------
+// ---- change immediately ------------------------------------------------------------------------
 
 TEST_F(ProfilePosition, ChangingImmediatelyLeavesNoStepInDemandAndVelocity) {
   axis.enable();
@@ -425,8 +421,7 @@ TEST_F(ProfilePosition, Bit5MayAccompanyTheFirstSetPoint) {
   EXPECT_EQ(axis.demand(), 1'000);
 }
 
-// ---- relative moves
-// ---------------------------------------------------------------------------------
+// ---- relative moves ----------------------------------------------------------------------------
 
 /// The manual's example: +10000, halted during the move, then +5000.
 struct RelativeCase {
@@ -655,8 +650,7 @@ TEST_F(ProfilePosition, NewSetPointsWhileCrossingTheEndOfTheRegisterKeepThePosit
   }
 }
 
-// ---- halt
-// -------------------------------------------------------------------------------------------
+// ---- halt --------------------------------------------------------------------------------------
 
 class Halt : public ProfilePosition {
  protected:
@@ -793,8 +787,7 @@ TEST_F(ProfilePosition, HaltAfterTheArrivalKeepsTheAcknowledgeOfAHeldBit4) {
   EXPECT_EQ(axis.command(0x003F), 0x1637) << "bit 4 did not rise";
 }
 
-// ---- target reached
-// ---------------------------------------------------------------------------------
+// ---- target reached ----------------------------------------------------------------------------
 
 TEST_F(ProfilePosition, Bit10RisesOnArrivalWhenTheWindowTimeHasPassedBefore) {
   // At 6000/s² the last 100 units take sqrt(2·100/6000) = 0.18 s, more than 6068h = 20 ms.
@@ -812,10 +805,10 @@ TEST_F(ProfilePosition, Bit10WaitsForTheWindowTime) {
   set_profile(1'000, 6'000, 6'000);
   axis.write("position_user_target_value", 500);
   axis.command(0x003F);
-  // The actual position enters the window of 100 units when 100 units remain. sqrt(2·100/6000) >
-  // 1/6 s, so that is before the ramp, which takes the last 83.33 units: 1/6 + 16.67/1000 = 0.18333
-  // s before the end, within a following error of 2 units (2 ms). 0.66667 - 0.18333 + 0.5 = 0.98333
-  // s.
+  // The actual position enters the window of 100 units when 100 units remain.
+  // sqrt(2·100/6000) > 1/6 s, so that is before the ramp, which takes the last 83.33 units:
+  // 1/6 + 16.67/1000 = 0.18333 s before the end, within a following error of 2 units (2 ms).
+  // 0.66667 - 0.18333 + 0.5 = 0.98333 s.
   EXPECT_NEAR(static_cast<double>(run_to_target() + 1), 984.0, 4.0);
 }
 
@@ -887,8 +880,7 @@ TEST_F(ProfilePosition, Bit10IsSetAtOnceOnEnablingAtAnyPosition) {
   EXPECT_EQ(dut.demand(), -1'234'567);
 }
 
-// ---- software limits
-// --------------------------------------------------------------------------------
+// ---- software limits ---------------------------------------------------------------------------
 
 class SoftwareLimits : public ProfilePosition {
  protected:
@@ -977,8 +969,7 @@ TEST_F(SoftwareLimits, DoNotLimitByDefault) {
   EXPECT_EQ(dut.statusword(), 0x0637);
 }
 
-// ---- mode
-// -------------------------------------------------------------------------------------------
+// ---- mode --------------------------------------------------------------------------------------
 
 TEST_F(ProfilePosition, TheModeChangesWithinOneTickInEveryStateAtRest) {
   for (const unsigned word : {0x00U, 0x06U, 0x07U, 0x0FU}) {
@@ -1059,8 +1050,7 @@ TEST_F(ProfilePosition, Bit12IsLowOnEnteringTheModeAndOnEveryEnable) {
   EXPECT_FALSE(axis.acknowledged()) << "bit 4 was high before: no edge";
 }
 
-// ---- speed and ramp limits
-// --------------------------------------------------------------------------
+// ---- speed and ramp limits ---------------------------------------------------------------------
 
 TEST_F(ProfilePosition, TheSpeedLimitCapsTheMotionButNot6081h) {
   axis.write("profile_velocity", 200'000);

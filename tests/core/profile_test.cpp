@@ -56,8 +56,7 @@ Case mirrored(const Case& c) {
   return {{-c.start.position, -c.start.velocity}, -c.target, c.limits};
 }
 
-// ---- named cases
-// ------------------------------------------------------------------------------------
+// ---- named cases -------------------------------------------------------------------------------
 
 // The manual's example: 607Ah = 10000, 6081h = 1000, 6083h = 6084h = 6000.
 const Case kManual{{0.0, 0.0}, 10000.0, {1000.0, 6000.0, 6000.0}};
@@ -65,8 +64,8 @@ const Case kManual{{0.0, 0.0}, 10000.0, {1000.0, 6000.0, 6000.0}};
 TEST(TrapezoidalProfile, RunsTheManualsExampleIn10166Milliseconds) {
   const Profile profile = plan(kManual);
 
-  // Ramps: 1000/6000 = 1/6 s and 1000²/(2·6000) = 83.333 units each; cruise: (10000 - 166.667)/1000
-  // = 9.83333 s; 10.16667 s in total.
+  // Ramps: 1000/6000 = 1/6 s and 1000²/(2·6000) = 83.333 units each; cruise:
+  // (10000 - 166.667)/1000 = 9.83333 s; 10.16667 s in total.
   EXPECT_NEAR(profile.duration(), 10.0 + 1.0 / 6.0, 1e-12);
   EXPECT_NEAR(profile.at(1.0 / 6.0).position, 1000.0 / 12.0, 1e-9);
   EXPECT_NEAR(profile.at(1.0 / 6.0).velocity, 1000.0, 1e-9);
@@ -213,8 +212,7 @@ TEST(StopProfile, OfAnAxisAtRestIsEmpty) {
   EXPECT_EQ(profile.at(0.0).position, 10.0);
 }
 
-// ---- properties
-// -----------------------------------------------------------------------------------
+// ---- properties --------------------------------------------------------------------------------
 
 /// Registers as a master may set them; 0 in 6083h or 6084h counts as 1.
 Case random_case(Random& random) {
@@ -381,8 +379,7 @@ void expect_replanning_changes_nothing(const Case& c, const Profile& profile, Ra
   const Profile again = plan(middle);
   const Tolerance first = tolerance_of(c, profile);
   const Tolerance second = tolerance_of(middle, again);
-  // An error v·ε of the velocity when planning again moves the end of the braking distance by
-  // v²·ε/d.
+  // A velocity error v·ε when planning again moves the end of the braking distance by v²·ε/d.
   const double v = std::abs(state.velocity);
   const double brake = (first.velocity + second.velocity) * (v / c.limits.deceleration);
   const double slack = 8.0 * (first.position + second.position + brake);
@@ -394,8 +391,7 @@ void expect_replanning_changes_nothing(const Case& c, const Profile& profile, Ra
   }
 }
 
-// ---- independent minimum time: bisection over the reachable rest positions
-// --------------------------
+// ---- independent minimum time: bisection over the reachable rest positions ---------------------
 
 /// Farthest position of rest in positive direction after `time` >= |v0|/d, from the definition of
 /// the limits; it grows monotonically with `time`.
@@ -540,8 +536,7 @@ TEST(ProfileProperties, NoErrorGrowsWithTheLengthOfTheMove) {
   EXPECT_EQ(profile.at(profile.duration()).position, 2147483647.0);
 }
 
-// ---- the ends of every register, all with all
-// ---------------------------------------------------------
+// ---- the ends of every register, all with all --------------------------------------------------
 
 constexpr double kLowestRegister = -2147483648.0;
 constexpr double kHighestRegister = 2147483647.0;
@@ -611,8 +606,7 @@ TEST(ProfileProperties, HoldForAllCombinationsOfRegisterExtremes) {
   EXPECT_EQ(cases, 48U * 4U * 16U * 9U);
 }
 
-// ---- the demand of an axis
-// ----------------------------------------------------------------------------
+// ---- the demand of an axis ---------------------------------------------------------------------
 
 struct AxisCase {
   std::int64_t speed;         // 6081h
@@ -699,8 +693,7 @@ TEST(AxisDemand, OfRelativeMovesWrapsAtBothEndsOfTheRegister) {
   }
 }
 
-// ---- uptimes
-// ------------------------------------------------------------------------------------------
+// ---- uptimes -----------------------------------------------------------------------------------
 
 /// One drive without a bank: all that depends on its running time is in its state, which a test can
 /// set to any time. A tick is 1 ms: 2³¹ ticks are 24.9 days, 2³² are 49.7.

@@ -47,8 +47,7 @@ void run_with(AxisUnderTest& axis, std::int64_t torque) {
   ASSERT_GT(axis.velocity() * (torque < 0 ? -1 : 1), 35'000);
 }
 
-// ---- torque
-// ---------------------------------------------------------------------------------------
+// ---- torque ------------------------------------------------------------------------------------
 
 TEST(ProfileTorque, TheDemandRampsWithTheSlope6087h) {
   for (const int sign : {1, -1}) {
@@ -227,8 +226,7 @@ TEST(ProfileTorque, HasNoFollowingError) {
   EXPECT_EQ(axis.state(), operation_enabled);
 }
 
-// ---- speed
-// ----------------------------------------------------------------------------------------
+// ---- speed -------------------------------------------------------------------------------------
 
 TEST(ProfileTorque, TheRunningSpeedIsBoundedBy607Fh) {
   for (const std::int64_t period : {125, 1'000, 10'000}) {
@@ -286,8 +284,7 @@ TEST(ProfileTorque, TheSpeedLimitHoldsInBothDirectionsOfAGear) {
   EXPECT_GT(axis.velocity(), 19'000) << "607Fh counts at 606Ch";
 }
 
-// ---- halt and stops
-// -------------------------------------------------------------------------------
+// ---- halt and stops ----------------------------------------------------------------------------
 
 TEST(ProfileTorque, HaltWithOption1ReducesTheTorqueWithItsSlope) {
   AxisUnderTest axis;
@@ -426,8 +423,7 @@ TEST(ProfileTorque, EnteringTheModeContinuesWithTheTorqueThatHoldsTheLoad) {
   EXPECT_NEAR(axis.actual(), place, 1);
 }
 
-// ---- limit switches
-// -------------------------------------------------------------------------------
+// ---- limit switches ----------------------------------------------------------------------------
 
 TEST(ProfileTorque, ALimitSwitchStopsWith6085hAndOnlyANewTorqueStartsAgain) {
   for (const int sign : {1, -1}) {

@@ -59,8 +59,7 @@ void expect_ramp(AxisUnderTest& axis, std::int32_t from, std::int32_t ramp, int 
   }
 }
 
-// ---- ramps
-// ----------------------------------------------------------------------------------------
+// ---- ramps -------------------------------------------------------------------------------------
 
 TEST(ProfileVelocity, ATargetActsAtOnceWithoutAnEdge) {
   AxisUnderTest axis;
@@ -264,8 +263,7 @@ TEST(ProfileVelocity, RunsManyTimesAcrossTheRangeOfTheRegister) {
   EXPECT_EQ(axis.demand(), axis.actual());
 }
 
-// ---- status bits
-// ----------------------------------------------------------------------------------
+// ---- status bits -------------------------------------------------------------------------------
 
 TEST(ProfileVelocity, Bit10ShowsTheSpeedInTheWindow606DhForTheTime606Eh) {
   AxisUnderTest axis;
@@ -315,8 +313,7 @@ TEST(ProfileVelocity, Bits10And12AreSetInOperationEnabledOnly) {
   EXPECT_EQ(axis.command(0x0000), 0x0250);
 }
 
-// ---- halt and stops
-// -------------------------------------------------------------------------------
+// ---- halt and stops ----------------------------------------------------------------------------
 
 class VelocityStop : public testing::TestWithParam<std::int64_t> {};
 
@@ -341,8 +338,7 @@ TEST_P(VelocityStop, HaltBrakesWithTheRampOf605DhAndTheTargetReturns) {
 INSTANTIATE_TEST_SUITE_P(Options, VelocityStop, testing::Values(1, 2, 3, 4),
                          testing::PrintToStringParamName());
 
-// ---- limit switches
-// -------------------------------------------------------------------------------
+// ---- limit switches ----------------------------------------------------------------------------
 
 TEST(ProfileVelocity, ALimitSwitchStopsWith6085hAndOnlyANewTargetStartsAgain) {
   for (const int sign : {1, -1}) {
@@ -406,8 +402,7 @@ TEST(ProfileVelocity, ATargetVelocityHasNoEffectInAnotherMode) {
   EXPECT_EQ(axis.demand_velocity(), 0);
 }
 
-// ---- mode change
-// ----------------------------------------------------------------------------------
+// ---- mode change -------------------------------------------------------------------------------
 
 TEST(ProfileVelocity, ALimitSwitchOverridesAModeChange) {
   AxisUnderTest axis;
@@ -441,8 +436,7 @@ TEST(ProfileVelocity, AChangeToProfilePositionAndBackMakesNoJump) {
   EXPECT_EQ(axis.statusword(), 0x1637);
 }
 
-// ---- properties
-// -----------------------------------------------------------------------------------
+// ---- properties --------------------------------------------------------------------------------
 
 /// Any target, ramp, halt or limit at any time: the demand never changes by more than the steepest
 /// ramp of the tick allows.

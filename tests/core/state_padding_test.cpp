@@ -12,8 +12,7 @@
 #include <span>
 #include <vector>
 
-// Only from here on: the headers above describe configurations and members, which no snapshot
-// contains.
+// Only from here on: the headers above describe configurations, which no snapshot contains.
 #pragma GCC diagnostic error "-Wpadded"
 
 #include "bank/parameter_memory.hpp"

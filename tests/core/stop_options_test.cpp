@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Option codes 605Ah to 605Eh and 6007h: the ramp, the state during the stop, and the state after
-// it.
+// Option codes 605Ah to 605Eh and 6007h: the ramp, and the states during and after the stop.
 #include "core/support/axis_under_test.hpp"
 
 #include <gtest/gtest.h>
@@ -71,8 +70,7 @@ std::uint64_t expect_braking(AxisUnderTest& axis, PowerState state, std::int64_t
   return braking + 200;
 }
 
-// ---- 605Ah
-// ------------------------------------------------------------------------------------------
+// ---- 605Ah -------------------------------------------------------------------------------------
 
 class QuickStop : public testing::TestWithParam<std::int64_t> {};
 
@@ -231,8 +229,7 @@ TEST(StopOptions, AnUnchangedEnableOperationDoesNotReEnableAfterTheQuickStop) {
   EXPECT_EQ(axis.step(100), 0x0250);
 }
 
-// ---- 605Bh and 605Ch
-// --------------------------------------------------------------------------------
+// ---- 605Bh and 605Ch ---------------------------------------------------------------------------
 
 TEST(StopOptions, EnableOperationDoesNotCancelARampInProgress) {
   AxisUnderTest axis;
@@ -267,8 +264,7 @@ TEST(StopOptions, NoSetPointIsAcceptedDuringTheRamp) {
   EXPECT_NE(axis.step_until_status(0x006F, 0x0023, 2'000), 0U);
 }
 
-// ---- 605Dh
-// ------------------------------------------------------------------------------------------
+// ---- 605Dh -------------------------------------------------------------------------------------
 
 class HaltOption : public testing::TestWithParam<std::int64_t> {};
 
@@ -284,8 +280,7 @@ TEST_P(HaltOption, BrakesWithItsRampAndStaysInOperationEnabled) {
 INSTANTIATE_TEST_SUITE_P(StopOptions, HaltOption, testing::Values(1, 2, 3, 4),
                          testing::PrintToStringParamName());
 
-// ---- 605Eh
-// ------------------------------------------------------------------------------------------
+// ---- 605Eh -------------------------------------------------------------------------------------
 
 /// A cause of a fault, its code, and whether the axis can still brake.
 struct FaultCause {
@@ -356,8 +351,7 @@ INSTANTIATE_TEST_SUITE_P(StopOptions, FaultReaction,
                                   std::to_string(std::get<1>(row.param));
                          });
 
-// ---- 6007h
-// ------------------------------------------------------------------------------------------
+// ---- 6007h -------------------------------------------------------------------------------------
 
 TEST(StopOptions, ALostMasterIsIgnoredWith6007hAt0) {
   AxisUnderTest axis;
@@ -416,8 +410,7 @@ TEST(StopOptions, ALostMasterHasAnEffectOnlyWhileTheAxisIsControlled) {
   }
 }
 
-// ---- a cyclic master
-// --------------------------------------------------------------------------------
+// ---- a cyclic master ---------------------------------------------------------------------------
 
 /// A master that writes 6040h in every tick must not delay the drive's own transitions.
 std::uint64_t ticks_until(AxisUnderTest& axis, PowerState state, std::uint16_t word) {

@@ -94,8 +94,7 @@ void pulse_input(AxisUnderTest& axis, std::string_view input) {
   set_input(axis, input, 0);
 }
 
-// ---- at the sub-step
-// --------------------------------------------------------------------------------
+// ---- at the sub-step ---------------------------------------------------------------------------
 
 TEST(TouchProbe, LatchesPositionAndTimeAtTheSubstepOfTheEdge) {
   for (const int sign : {1, -1}) {
@@ -174,8 +173,8 @@ TEST(TouchProbe, LatchesTheIndexPulseOfTheMotorOnceARevolution) {
 }
 
 TEST(TouchProbe, TakesTheIndexPulseWhereHomingFindsIt) {
-  // Homing with method 34: to the next index pulse in positive direction, which becomes 607Ch =
-  // 500.
+  // Homing with method 34: to the next index pulse in positive direction, which becomes
+  // 607Ch = 500.
   AxisUnderTest axis;
   axis.write("home_offset", 500);
   axis.write("homing_method", 34);
@@ -243,8 +242,7 @@ TEST(TouchProbe, DatesSubstepsOfEveryPeriod) {
   }
 }
 
-// ---- 60B8h and 60B9h
-// --------------------------------------------------------------------------------
+// ---- 60B8h and 60B9h ---------------------------------------------------------------------------
 
 TEST(TouchProbeFunction, IsOffByDefault) {
   AxisUnderTest axis;
@@ -435,8 +433,7 @@ TEST(TouchProbeFunction, RefusesWritesOfWhatItLatches) {
   }
 }
 
-// ---- sources
-// ----------------------------------------------------------------------------------------
+// ---- sources -----------------------------------------------------------------------------------
 
 TEST(TouchProbeSource, ByDefaultEachProbeHasItsInput) {
   AxisUnderTest axis;
@@ -522,8 +519,7 @@ TEST(TouchProbeSource, RefusesWhatTheDriveDoesNotHave) {
   }
 }
 
-// ---- always
-// -----------------------------------------------------------------------------------------
+// ---- in every mode and state -------------------------------------------------------------------
 
 TEST(TouchProbe, WorksInEveryMode) {
   for (const std::int64_t mode : {0, 1, 2, 3, 4, 6, 7, 8, 9, 10}) {
@@ -624,8 +620,7 @@ TEST(TouchProbe, OfAConfigurationIsEnabledFromPowerUpOn) {
   EXPECT_EQ(probe_status(axis), kProbeIsOn | kRisingStored);
 }
 
-// ---- the other axes, and snapshots
-// ------------------------------------------------------------------
+// ---- the other axes, and snapshots -------------------------------------------------------------
 
 void put_object(AxisBank& bank, std::size_t axis, std::string_view name, std::int64_t value) {
   ASSERT_EQ(bank.write(axis, AxisUnderTest::address_of(name), value), AbortCode::none) << name;

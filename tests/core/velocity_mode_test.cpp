@@ -55,8 +55,7 @@ void turn_at_300(AxisUnderTest& axis, int sign = 1) {
   ASSERT_NEAR(axis.velocity(), sign * kSpeedOf300, 100);
 }
 
-// ---- units and ramps
-// ------------------------------------------------------------------------------
+// ---- units and ramps ---------------------------------------------------------------------------
 
 TEST(VelocityMode, TurnsAtTheRpmOf6042hWithTheRampOf6048h) {
   for (const int sign : {1, -1}) {
@@ -228,8 +227,7 @@ TEST(VelocityMode, ObjectsOfFrequencyConvertersDoNotExist) {
   }
 }
 
-// ---- bits 4 to 6
-// ----------------------------------------------------------------------------------
+// ---- bits 4 to 6 -------------------------------------------------------------------------------
 
 struct RampBits {
   const char* name;
@@ -323,8 +321,7 @@ TEST(VelocityMode, TakesNoTargetOfAnotherModeAndGivesNoneToIt) {
   EXPECT_EQ(axis.demand_velocity(), 0);
 }
 
-// ---- limits
-// ---------------------------------------------------------------------------------------
+// ---- limits ------------------------------------------------------------------------------------
 
 struct AmountCase {
   std::int64_t target;
@@ -413,8 +410,7 @@ TEST(VelocityMode, ALockedRampStopsAtALimitSwitch) {
   EXPECT_EQ(axis.demand_velocity(), 0);
 }
 
-// ---- status bits
-// ----------------------------------------------------------------------------------
+// ---- status bits -------------------------------------------------------------------------------
 
 TEST(VelocityMode, Bit10ShowsTheInputOfTheRampIn606DhFor606Eh) {
   AxisUnderTest axis;
@@ -461,8 +457,7 @@ TEST(VelocityMode, NamesItsBits) {
   EXPECT_EQ(statusword_bit_name(0x1000, mode), "bit 12");
 }
 
-// ---- halt and stops
-// -------------------------------------------------------------------------------
+// ---- halt and stops ----------------------------------------------------------------------------
 
 class VelocityModeStop : public testing::TestWithParam<std::int64_t> {};
 
@@ -498,8 +493,7 @@ TEST(VelocityMode, AModeChangeBrakesWith604AhAtALimitSwitch) {
   EXPECT_EQ(axis.read("op_mode_actual"), 1);
 }
 
-// ---- properties
-// -----------------------------------------------------------------------------------
+// ---- properties --------------------------------------------------------------------------------
 
 /// Any target, ramp, word or limit at any time: the demand never changes by more than the steepest
 /// ramp of the tick, 60C6h, allows.

@@ -110,7 +110,7 @@ TEST(PlanVelocity, TheSlowestVelocityRunsWithoutEnd) {
     const Profile profile = plan_velocity(
         {0.0, 0.0}, target, {.velocity = 10.0, .acceleration = 1.0, .deceleration = 1.0});
     EXPECT_EQ(profile.at(1.0e6).velocity, target);
-    // From rest the position is v²/2 = v·t/2 behind that at full speed all the way.
+    // Starting from rest costs v²/2 = v·t/2 compared with full speed all the way.
     EXPECT_NEAR(profile.at(1.0e6).position, target * 1.0e6 - 0.5 * target * std::abs(target), 1e-6);
   }
 }

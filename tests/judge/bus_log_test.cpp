@@ -313,7 +313,7 @@ TEST(BusLog, GivesTheSameFindingsInEachFormat) {
   }
 }
 
-// ---- what is of no use, and what is broken -----------------------------------------------------
+// ---- unusable and broken lines -----------------------------------------------------------------
 
 TEST(BusLog, CountsWhatItCannotUseAndJudgesTheRest) {
   std::string log = right_log();
@@ -380,7 +380,7 @@ TEST(BusLog, SaysOnceWhatItCouldNotJudge) {
   EXPECT_EQ(facts & Fact::kStatusword, 0U);
 }
 
-// ---- right masters on a bus --------------------------------------------------------------------
+// ---- correct masters on a bus ------------------------------------------------------------------
 
 std::int32_t any_target(test::Random& random) {
   return static_cast<std::int32_t>(random.between(-20'000, 20'000));
@@ -456,7 +456,7 @@ TEST(RightMastersOnABus, GetNoFinding) {
   }
 }
 
-// ---- transfers by SDO --------------------------------------------------------------------------
+// ---- SDO transfers -----------------------------------------------------------------------------
 
 canopen::Frame sdo(std::array<std::uint8_t, 8> data) {
   return {.size = 8, .data = data};

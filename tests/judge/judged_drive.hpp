@@ -25,7 +25,7 @@ inline constexpr std::int8_t kProfileVelocity = 3;
 inline constexpr std::int8_t kHoming = 6;
 inline constexpr std::int8_t kCyclicPosition = 8;
 
-/// What the source of a test shows of its drive.
+/// The information that the source of a test gives about its drive.
 struct TestSource {
   SourceFacts facts{
       .has_time = true, .shows_reads = true, .shows_sessions = true, .speed_is_per_second = true};

@@ -26,8 +26,8 @@ using testing::HasSubstr;
 using testing::IsEmpty;
 using testing::ThrowsMessage;
 
-/// The number of records of each kind in the file; those inside chunks are counted in place of the
-/// chunks.
+/// The number of records of each kind in the file. The records inside chunks are counted; the
+/// chunks are not.
 std::map<Opcode, std::size_t> kinds_of(const std::string& bytes) {
   std::istringstream stream(bytes);
   McapReader reader(stream);

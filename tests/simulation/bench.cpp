@@ -389,7 +389,7 @@ void Bench::take_answers(const Mail& mail) {
   model_.check_all_answered();
 }
 
-// ---- a service that is broken -----------------------------------------------------------------
+// ---- a broken service --------------------------------------------------------------------------
 
 /// Enables the first axis without power, without a request.
 void Bench::enable_unrequested() {

@@ -134,7 +134,7 @@ void ControlModel::power_up(Axis& axis) {
                     .test_inputs = axis.registers.test_inputs};
 }
 
-// ---- who is there -----------------------------------------------------------------------------
+// ---- sessions ----------------------------------------------------------------------------------
 
 ControlModel::Axis* ControlModel::axis_of(std::uint16_t number) {
   return number >= 1 && number <= axes_.size() ? &axes_[number - 1U] : nullptr;
@@ -196,7 +196,7 @@ void ControlModel::jump(std::uint64_t ticks) {
   for (Session& session : sessions_) session.last_message_tick += ticks;
 }
 
-// ---- frames that wait -------------------------------------------------------------------------
+// ---- waiting frames ----------------------------------------------------------------------------
 
 template <typename Condition>
 void ControlModel::drop(Condition condition) {
@@ -868,7 +868,7 @@ msg::Reason ControlModel::snapshot(const msg::Request& request, Answer& answer) 
   return msg::Reason::none;
 }
 
-// ---- what the bench sends ---------------------------------------------------------------------
+// ---- messages of the bench ---------------------------------------------------------------------
 
 void ControlModel::check(const msg::CommandReply& reply) {
   FrameAnswer seen{.session = reply.session,

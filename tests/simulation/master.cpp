@@ -323,7 +323,7 @@ void Master::fill(msg::AxisCommand& command, const AxisStatus& status,
   }
 }
 
-// ---- what comes back --------------------------------------------------------------------------
+// ---- answers -----------------------------------------------------------------------------------
 
 void Master::on(const msg::Reply& reply) {
   if (reply.client != client_ || reply.incarnation != incarnation_) return;

@@ -82,8 +82,8 @@ Real follow(ExactPath& path, const BoundedSide& side, Real sign) {
   return w;
 }
 
-/// Takes an acceleration against the direction `sign` back to 0, with the jerk of each side of v =
-/// 0.
+/// Takes an acceleration against the direction `sign` back to 0, with the jerk of each side of
+/// v = 0.
 void settle(ExactPath& path, Real sign, const MotionJerk& jerk) {
   const ExactState& now = path.end();
   if (sign * now.acceleration >= 0) return;

@@ -7,8 +7,8 @@
 
 namespace vdrive::test {
 
-/// The largest sum under linear bounds: maximises objective·z over all z in [-1, 1] with row·z <=
-/// bound.
+/// The largest sum under linear bounds: maximises objective·z over all z in [-1, 1] with
+/// row·z <= bound.
 ///
 /// `solve` is a dual simplex: it starts at the corner of the box with the largest objective, and
 /// takes in the row that is violated most until none is. The result can be checked without trusting
