@@ -16,8 +16,7 @@ tests/checks/results.py prints them, in backticks, separated by <br>. Identifier
 object of the manual's table, M-12 a statement of the manual, A-12 an ambiguity, R-12 a rule of
 interoperability; of conformance-canopen.md: O-1017 an object of CiA 301, C-12 a clause of CiA 301,
 D-12 one of CiA 402 on CANopen, M-12 a rule that masters rely on. A test that was skipped, disabled
-or left out holds nothing. Exit code 0: all is well; otherwise each line of the output is one thing
-that is wrong.
+or left out does not count. Exit code 0: no errors; otherwise each line of the output is one error.
 """
 import argparse
 import collections
@@ -48,7 +47,7 @@ def cells_of(line):
 
 
 def parse(text):
-    """The rows of the page's tables, and the errors of their form."""
+    """The rows of the page's tables, and the errors in their format."""
     rows, findings, header = [], [], None
     for number, line in enumerate(text.splitlines(), 1):
         if not line.startswith("|"):
@@ -132,7 +131,7 @@ PAGES = {
 
 
 def check_kind(letter, kind, count, names):
-    """The errors of the numbers of one letter: 1 to `count`, or from 1 on without a gap."""
+    """The errors in the numbers of one letter: they must be 1 to `count`, or start at 1 with no gap."""
     present = {int(match[2]) for match in map(NUMBERED.fullmatch, names)
                if match and match[1] == letter}
     wanted = set(range(1, (count or max(present, default=0)) + 1))
@@ -142,7 +141,7 @@ def check_kind(letter, kind, count, names):
 
 
 def check_page(text, page=PAGES["conformance.md"]):
-    """@return the rows, and the errors of the page alone."""
+    """@return the rows, and the errors in the page itself."""
     rows, findings = parse(text)
     lines = collections.defaultdict(list)
     for row in rows:
@@ -160,7 +159,7 @@ def check_page(text, page=PAGES["conformance.md"]):
 
 
 def verdicts(reports):
-    """Name -> None when it ran and passed in one of the reports, else why not."""
+    """Name -> None if the test ran and passed in one of the reports, otherwise why not."""
     result = {}
     for report in reports:
         for test in (test for case in results.cases_of(report) for test in case.tests):
@@ -172,7 +171,7 @@ def verdicts(reports):
 
 
 def check_named(rows, tests):
-    """The errors of the tests that the rows name, and how many tests have none."""
+    """The errors of the tests that the rows name, and the number of tests without errors."""
     findings = []
     places = collections.defaultdict(list)
     for row in rows:

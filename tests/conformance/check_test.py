@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""The check of the conformance page can fail: each deliberate mistake is found and named."""
+"""Shows that the check of the conformance page can fail: it finds and names each planted mistake."""
 import pathlib
 import re
 import tempfile
@@ -69,7 +69,7 @@ class ThePage(unittest.TestCase):
 
 class ThePageOfCanopen(unittest.TestCase):
     def findings_of(self, identifier, change):
-        """Those of the page whose row `change` has changed."""
+        """The errors of the page after `change` has changed a row."""
         row = re.search(rf"^\| {re.escape(identifier)} \|.*\n", CANOPEN_PAGE, flags=re.MULTILINE).group()
         page = CANOPEN_PAGE.replace(row, change(row))
         return check.check_page(page, check.PAGES["conformance-canopen.md"])[1]

@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Mutation check of core/: changes one operator, constant or table cell at a time and sees whether
-the core's unit tests notice.
+"""Mutation check of core/: changes one operator, constant or table cell at a time and checks
+whether the core's unit tests detect it.
 
     tests/mutation/run.py [--most N] [--seed N] [--jobs N] [--only TEXT] [--list]
 
@@ -9,7 +9,7 @@ the core's unit tests notice.
     --only TEXT  only mutants whose "file:line" contains TEXT
     --list       print the mutants, check nothing
 
-Prints one line a survivor and a summary; exit code 0 when every survivor is explained in
+Prints one line per survivor and a summary; exit code 0 if every survivor is explained in
 tests/mutation/survivors.txt (file, the line's text, the change, the reason; separated by " | ").
 Works in build/mutation; needs the packages of deploy/setup.sh --tests.
 """
@@ -49,7 +49,7 @@ NUMBER = re.compile(r"(?<![\w.\"])(0x[0-9A-Fa-f]+|\d+\.\d+(?:e[+-]?\d+)?|\d+)(?!
 
 
 def code_part(line):
-    """The line without comment and with strings blanked, so that positions stay."""
+    """The line without its comment and with strings blanked, so that positions stay the same."""
     line = re.sub(r'"(?:\\.|[^"\\])*"', lambda m: '"' + "\0" * (len(m.group()) - 2) + '"', line)
     line = re.sub(r"/\*.*?\*/", lambda m: "\0" * len(m.group()), line)
     return line.split("//")[0]
@@ -102,7 +102,7 @@ def compile_file(source, target, extra=()):
 
 
 class Workshop:
-    """Objects of the core and of its tests, built once, and how to link them with a change."""
+    """Objects of the core and of its tests, built once and linked with each change."""
 
     def __init__(self, jobs):
         OUT.mkdir(parents=True, exist_ok=True)
@@ -124,7 +124,7 @@ class Workshop:
         return done.stdout if done.returncode else None
 
     def programs(self, changed):
-        """Test sources, those first that are named after what was changed."""
+        """Test sources; those named after the changed file come first."""
         stem = pathlib.Path(changed).stem
         return sorted(self.tests, key=lambda t: (stem not in t, t))
 
@@ -136,7 +136,7 @@ class Workshop:
 
 
 def check(workshop, mutant, folder):
-    """@return None when a test detected it, else why it survived."""
+    """@return None if a test detected the mutant, otherwise why it survived."""
     folder.mkdir(parents=True, exist_ok=True)
     lines = (ROOT / mutant["file"]).read_text(encoding="utf-8").split("\n")
     lines[mutant["line"]] = mutant["source"]
