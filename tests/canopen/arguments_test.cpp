@@ -112,14 +112,15 @@ TEST(CanopenArguments, NameOptionValueAndLimitOfAnError) {
     }
   }
   EXPECT_THAT(problem_of_arguments({.clock = "freerun"}), HasSubstr("--clock: freerun not in"));
-  EXPECT_THAT(problem_of_arguments({.axes = 3}), HasSubstr("--axes is that of a private bench"));
+  EXPECT_THAT(problem_of_arguments({.axes = 3}),
+              HasSubstr("--axes applies only to a private bench"));
   EXPECT_THAT(problem_of_arguments({.preset = "winder"}),
-              HasSubstr("--preset is that of a private bench"));
+              HasSubstr("--preset applies only to a private bench"));
   EXPECT_THAT(problem_of_arguments(
                   {.is_private = true, .preset = "winder", .bench_configuration = "a.yaml"}),
               HasSubstr("--preset and --bench-config are both given"));
   EXPECT_THAT(problem_of_arguments({.bench_configuration = "a.yaml"}),
-              HasSubstr("--bench-config is that of a private bench"));
+              HasSubstr("--bench-config applies only to a private bench"));
   EXPECT_THAT(
       problem_of_arguments({.is_private = true, .axes = 1, .bench_configuration = "a.yaml"}),
       HasSubstr("--axes and --bench-config are both given"));

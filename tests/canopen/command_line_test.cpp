@@ -62,7 +62,7 @@ TEST(CanopenCommandLine, NamesWhatWhereAndTheLimitOfAMistake) {
               HasSubstr("vdrive-canopen: --socketcand 'nowhere'"));
   EXPECT_THAT(errors_of({"--check", "--domain", "233"}), HasSubstr("from 0 to 232"));
   EXPECT_THAT(errors_of({"--check", "--private", "--domain", "5"}),
-              HasSubstr("leave out the options of the network"));
+              HasSubstr("leave out the network options"));
   EXPECT_THAT(errors_of({"--check", "--config", "/nothing/here"}), HasSubstr("/nothing/here"));
   EXPECT_THAT(errors_of({"--check", "--private", "--bench-config", "/nothing/here"}),
               HasSubstr("bench 1: "));

@@ -115,10 +115,10 @@ TEST(CanopenSettings, RefuseWhatContradictsItself) {
               HasSubstr("another bus has the name 'a'"));
   EXPECT_THAT(problem_of_file("buses:\n  - {benches: [{bench: 1}], interfaces: [can0]}\n"
                               "  - {benches: [{bench: 2}]}\n"),
-              HasSubstr("bus can1: nobody reaches it"));
+              HasSubstr("bus can1: no client can reach it"));
   EXPECT_THAT(problem_of_file("buses:\n  - {benches: [{bench: 1}], interfaces: [can0]}\n"
                               "  - {interfaces: [can1]}\n"),
-              HasSubstr("bus can1: several buses need benches"));
+              HasSubstr("bus can1: with several buses"));
   EXPECT_THAT(problem_of_file("buses:\n  - {benches: [{bench: 1}], interfaces: [can0]}\n"
                               "  - {benches: [{bench: 1}], interfaces: [can1]}\n"),
               HasSubstr("bench 1 is given twice"));
@@ -128,7 +128,7 @@ TEST(CanopenSettings, RefuseWhatContradictsItself) {
               HasSubstr("the interface 'can0' is given twice"));
   EXPECT_THAT(problem_of_file("buses:\n  - {benches: [{bench: 1, axes: 3}]}\n"),
               HasSubstr("add --private"));
-  EXPECT_THAT(problem_of_file("clock: lockstep\n"), HasSubstr("--clock is that of a private"));
+  EXPECT_THAT(problem_of_file("clock: lockstep\n"), HasSubstr("--clock applies only to a private"));
   EXPECT_THAT(problem_of_file("private: true\nclock: lockstep\n"), HasSubstr("needs --sync-steps"));
   EXPECT_THAT(problem_of_file("private: true\nclock: realtime\nsync_steps_us: 1000\n"),
               HasSubstr("--sync-steps needs --clock lockstep"));

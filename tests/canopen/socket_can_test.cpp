@@ -279,7 +279,7 @@ TEST(SocketCan, ReportsAnInterfaceThatHoldsTheBusForASecond) {
     return !can.lines.empty();
   });
   EXPECT_THAT(can.lines, testing::ElementsAre(testing::StartsWith(
-                             "is not sending: 9 frames are waiting for it, and the bus")));
+                             "is not sending: 9 frames are queued for it; bus and drive")));
 }
 
 TEST(SocketCan, HoldsNoBusForFramesThatTheInterfaceHasRefused) {

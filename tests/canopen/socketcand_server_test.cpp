@@ -316,7 +316,7 @@ TEST(SocketcandServer, ReadsFromNobodyWhileAClientThatDoesNotReadHoldsTheBus) {
     return !held.bench.host.reports.empty();
   }));
   EXPECT_THAT(held.bench.host.reports.front(),
-              testing::HasSubstr("a client is not reading: 65 frames are waiting"));
+              testing::HasSubstr("a client is not reading: 65 frames are queued"));
   EXPECT_TRUE(held.bench.port.frames.empty());
   held.sleeper.read();
   ASSERT_TRUE(held.bench.wait_for("the frames of the other client", [&] {

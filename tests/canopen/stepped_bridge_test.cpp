@@ -543,7 +543,7 @@ TEST(SteppedBridge, LeavesOutABenchThatCannotBeServedAndSaysWhy) {
   EXPECT_EQ(left_out(stepped, 1ms, 0), "");
   EXPECT_THAT(
       left_out(stepped, 1500us, 0),
-      HasSubstr("bus 1: bench 1: --sync-steps 1500 us is no multiple of its tick, 1000 us"));
+      HasSubstr("bus 1: bench 1: --sync-steps 1500 us is not a multiple of its tick, 1000 us"));
   EXPECT_THAT(left_out(real, 1ms, 0), HasSubstr("its clock is realtime"));
   EXPECT_THAT(left_out(stepped, 1ms, 126), HasSubstr("axis 1.2 would be node 128"));
 }

@@ -156,16 +156,16 @@ void apply_arguments(const Arguments& arguments, Settings& settings) {
   settings.is_private = settings.is_private || arguments.is_private;
   if (describes_benches(arguments) && !settings.is_private) {
     throw ConfigurationError((arguments.bench_configuration ? "--bench-config" : option) +
-                             " is that of a private bench; add --private");
+                             " applies only to a private bench: add --private");
   }
   if (!clock.empty()) settings.clock = take_clock(clock);
   if (!sync_steps.empty()) settings.sync_steps = take_sync_step(sync_steps);
   apply_files(arguments, settings);
   if (!names_a_bus(arguments)) return;
   if (settings.buses.size() > 1) {
-    throw ConfigurationError("the file has " + std::to_string(settings.buses.size()) +
-                             " buses: give benches and connections of each there, and none on the "
-                             "command line");
+    throw ConfigurationError(
+        "the file has " + std::to_string(settings.buses.size()) +
+        " buses: set the benches and connections of each bus in the file, not on the command line");
   }
   if (settings.buses.empty()) settings.buses.emplace_back();
   apply_to_bus(arguments, settings.is_private, settings.buses.front());

@@ -54,36 +54,37 @@ void declare_benches(CLI::App& app, Arguments& arguments) {
       ->transform(bridge::whole_number(kLowestNodeOffset, kHighestNodeOffset))
       ->type_name("K");
   app.add_flag("--private", arguments.is_private,
-               "Make the benches in this process, without a network");
+               "Run the benches in this process, without a network");
   app.add_option("--axes", arguments.axes,
                  "Axes of a private bench, 1 to " + std::to_string(kMostNodes) + "; default: 1")
       ->transform(bridge::whole_number(1, static_cast<std::int64_t>(kMostNodes)))
       ->type_name("N");
-  add_text(app, "--preset", arguments.preset,
-           "Machine of the axes of a private bench, as that of vdrived; default: the default axis")
+  add_text(
+      app, "--preset", arguments.preset,
+      "Machine preset for the axes of a private bench, as for vdrived; default: the default axis")
       ->type_name("NAME");
   add_text(app, "--bench-config", arguments.bench_configuration,
-           "Configuration of a private bench, a file as that of vdrived")
+           "Configuration file of a private bench, as for vdrived")
       ->type_name("FILE");
   add_text(app, "--clock", arguments.clock,
-           "Clock of a private bench, realtime or lockstep; default: lockstep with "
-           "--sync-steps, else realtime")
+           "Clock of a private bench, realtime or lockstep; default: lockstep with --sync-steps, "
+           "otherwise realtime")
       ->type_name("MODE");
   add_text(app, "--sync-steps", arguments.sync_steps,
-           "Each SYNC lets so much drive time pass on a bench in lock-step, such as 1ms")
+           "On a lock-step bench, each SYNC advances drive time by this much, such as 1ms")
       ->type_name("PERIOD");
 }
 
 void declare_ports(CLI::App& app, Arguments& arguments) {
   app.add_option("--socketcand", arguments.socketcand,
-                 "Serve the socketcand protocol there, port 0 = any free one; may be repeated; "
-                 "default without another connection: 127.0.0.1:29536")
+                 "Serve the socketcand protocol at this address; port 0 = any free port; may be "
+                 "repeated; default if no other connection is given: 127.0.0.1:29536")
       ->type_name("HOST:PORT");
   app.add_option("--interface", arguments.interfaces,
                  "CAN interface of the kernel (SocketCAN), such as can0; may be repeated")
       ->type_name("IFACE");
   app.add_option("--gateway", arguments.gateways,
-                 "Serve the ASCII commands of CiA 309-3 there; may be repeated")
+                 "Serve the ASCII commands of CiA 309-3 at this address; may be repeated")
       ->type_name("HOST:PORT");
 }
 
@@ -93,8 +94,8 @@ void declare(CLI::App& app, CommandLine& line) {
   declare_ports(app, line.arguments);
   add_text(
       app, "--state", line.arguments.state,
-      "Directory for what 1010h stores; without it, a private bench refuses 1010h, and the nodes "
-      "of other benches keep their communication parameters in memory only")
+      "Directory for the parameters saved by 1010h; without it, a private bench refuses 1010h, and "
+      "the nodes of other benches keep their communication parameters in memory only")
       ->type_name("DIR");
   add_text(app, "--journal", line.arguments.journal,
            "Write a journal of the private bench, which 'vdrive judge' and 'vdrived --replay' read")
@@ -108,7 +109,7 @@ void declare(CLI::App& app, CommandLine& line) {
       ->type_name("FAULT");
   add_text(app, "--config", line.file, "YAML file; options of the command line override it")
       ->type_name("FILE");
-  app.add_flag("--check", line.only_checks, "Check command line and configuration, and end");
+  app.add_flag("--check", line.only_checks, "Check command line and configuration, then exit");
   bridge::add_domain_option(app, line.settings.session.domain);
   bridge::add_network_options(app, line.settings.session, "--dds-interface");
 }
@@ -178,7 +179,7 @@ int serve(const Settings& settings) {
 
 int run_command_line(int argument_count, const char* const* argument_list) {
   CLI::App app(
-      "Gives axes of virtual servo drives to CANopen masters: each axis is a node of a CAN bus.",
+      "Connects virtual servo drives to CANopen masters: each axis is a node on a CAN bus.",
       "vdrive-canopen");
   CommandLine line;
   declare(app, line);

@@ -162,15 +162,15 @@ std::optional<Node::Parameters> parse_parameters(std::string_view text, std::str
     if (line == end_line(parameters.size()) && text.empty()) return parameters;
     const auto parameter = parse_parameter(line);
     if (!parameter || !is_parameter(parameter->first, parameter->second)) {
-      problem = "line " + std::to_string(number) + ", " + in_quotes(line) +
-                ", is no parameter of a node, such as 1800:05 000003E8, or its value is outside "
-                "of its limits";
+      problem =
+          "line " + std::to_string(number) + ", " + in_quotes(line) +
+          ", is not a parameter of a node, such as 1800:05 000003E8, or its value is out of range";
       return std::nullopt;
     }
     parameters.insert_or_assign(parameter->first, parameter->second);
   }
-  problem = "it is not whole: its last line must be " + in_quotes(end_line(parameters.size())) +
-            ", the number of the parameters before it";
+  problem = "it is incomplete: its last line must be " + in_quotes(end_line(parameters.size())) +
+            ", with the number of parameters before it";
   return std::nullopt;
 }
 

@@ -168,7 +168,7 @@ std::optional<std::string> ServedBus::add(const client::BenchInfo& info) {
 }
 
 void ServedBus::leave_out(const client::BenchInfo& info, const std::string& reason) {
-  report(bridge::Severity::error, info.number, "is left out, " + reason);
+  report(bridge::Severity::error, info.number, "is not served: " + reason);
 }
 
 void ServedBus::remove(std::uint32_t bench, bool /*is_replaced*/) {
@@ -198,8 +198,9 @@ void ServedBus::note_refused_set_points(const client::SetPointRefusal& refusal,
   constexpr std::size_t kAbortDigits = 8;
   // The report has no value, so that equal reports are limited to one per second.
   shared_.reports.report(bridge::Severity::warning, label_ + ": node " + std::to_string(node),
-                         "the drive refuses what a PDO brings for " + address_text(refusal.object) +
-                             ": " + hex(wire_code(refusal.code), kAbortDigits) + ", " +
+                         "the drive refuses the value of a PDO for " +
+                             address_text(refusal.object) + ": " +
+                             hex(wire_code(refusal.code), kAbortDigits) + ", " +
                              std::string(vdrive::describe(refusal.code)));
 }
 
@@ -281,8 +282,9 @@ std::string ServedBus::counters() const {
          std::to_string(nodes.ignored_frames) + " malformed frames, " +
          std::to_string(nodes.held_back_emergencies) + " emergencies held back, " +
          std::to_string(unread) + " frames not read in time, " + std::to_string(refused_words) +
-         " refused words, " + std::to_string(bus_.dropped_frames()) + " frames cut off, " +
-         std::to_string(bus_.faults().disturbed_frames()) + " frames disturbed";
+         " refused words, " + std::to_string(bus_.dropped_frames()) +
+         " frames dropped (reply limit), " + std::to_string(bus_.faults().disturbed_frames()) +
+         " frames disturbed";
 }
 
 }  // namespace vdrive::canopen

@@ -140,7 +140,7 @@ void check_ports(const std::vector<BusSetting>& buses) {
   for (const BusSetting& bus : buses) {
     if (!has_port(bus)) {
       throw ConfigurationError("bus " + bus.name +
-                               ": nobody reaches it; give it socketcand, gateways or interfaces");
+                               ": no client can reach it; add socketcand, gateways or interfaces");
     }
     take_servers(bus.socketcand, taken);
     take_servers(bus.gateways, taken);
@@ -161,7 +161,8 @@ void check_benches(const Settings& settings) {
   std::set<std::uint32_t> taken;
   for (const BusSetting& bus : settings.buses) {
     if (bus.benches.empty() && settings.buses.size() > 1) {
-      throw ConfigurationError("bus " + bus.name + ": several buses need benches, one list each");
+      throw ConfigurationError("bus " + bus.name +
+                               ": with several buses, each needs a list of benches");
     }
     for (const BenchSetting& bench : bus.benches) {
       const std::string name = "bench " + std::to_string(bench.number);
@@ -169,7 +170,7 @@ void check_benches(const Settings& settings) {
       const bool is_described = bench.axes || !bench.preset.empty() || !bench.configuration.empty();
       if (is_described && !settings.is_private) {
         throw ConfigurationError(
-            name + ": axes and the configuration are those of a private bench; add --private");
+            name + ": axes, preset and config apply only to a private bench; add --private");
       }
     }
   }
@@ -207,10 +208,10 @@ void check_node_ids(const Settings& settings) {
 void check_journal(const Settings& settings) {
   if (settings.journal.empty()) return;
   if (!settings.is_private) {
-    throw ConfigurationError("--journal is that of a private bench; add --private");
+    throw ConfigurationError("--journal applies only to a private bench: add --private");
   }
   if (settings.buses.size() > 1 || settings.buses.front().benches.size() > 1) {
-    throw ConfigurationError("--journal is that of one bench, and several are configured");
+    throw ConfigurationError("--journal records one bench, but several are configured");
   }
 }
 
@@ -222,19 +223,21 @@ bool names_a_network(const client::SessionOptions& session) {
 void check_clock(const Settings& settings) {
   if (settings.is_private && names_a_network(settings.session)) {
     throw ConfigurationError(
-        "--private: its benches are in this process; leave out the options of the network");
+        "--private runs the benches in this process: leave out the network options");
   }
   if (!settings.is_private && settings.clock) {
     throw ConfigurationError(
-        "--clock is that of a private bench, a bench of the network has its own; add --private");
+        "--clock applies only to a private bench, since a bench on the network has its own clock: "
+        "add --private");
   }
   if (!settings.is_private) return;
   if (settings.clock == ClockMode::lockstep && !settings.sync_steps) {
     throw ConfigurationError(
-        "--clock lockstep needs --sync-steps: nobody else advances the time of a private bench");
+        "--clock lockstep needs --sync-steps: nothing else advances the time of a private bench");
   }
   if (settings.clock == ClockMode::realtime && settings.sync_steps) {
-    throw ConfigurationError("--sync-steps needs --clock lockstep: in realtime time passes alone");
+    throw ConfigurationError(
+        "--sync-steps needs --clock lockstep: a realtime clock is not stepped");
   }
 }
 

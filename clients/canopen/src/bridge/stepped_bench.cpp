@@ -40,7 +40,7 @@ std::optional<std::string> SteppedBench::refusal_of(const client::BenchInfo& inf
            ": --sync-steps needs lockstep";
   }
   if (period % info.period != std::chrono::microseconds{0}) {
-    return "--sync-steps " + microseconds_text(period) + " is no multiple of its tick, " +
+    return "--sync-steps " + microseconds_text(period) + " is not a multiple of its tick, " +
            microseconds_text(info.period);
   }
   return std::nullopt;

@@ -102,7 +102,8 @@ bool take_choice(std::string_view word, FaultWords& words, BusFault& fault) {
   } else if (word == "seed") {
     const std::string_view seed = words.take();
     const auto number = parse_digits<std::uint64_t>(seed);
-    if (!number) throw BadFault{in_quotes(seed) + " is not a seed: a whole number from 0"};
+    if (!number)
+      throw BadFault{in_quotes(seed) + " is not a seed: write a whole number, 0 or more"};
     fault.seed = *number;
   } else {
     return false;

@@ -102,7 +102,7 @@ struct BusLog::State final : Port, std::enable_shared_from_this<BusLog::State> {
     missed += waiting;
     host.report(bridge::Severity::error, "",
                 "log " + in_quotes(settings.file.string()) + " " + reason +
-                    ": no further frame is logged; give another file, and start again");
+                    ": no further frames are logged; give another file and restart");
   }
 
   asio::io_context& context;

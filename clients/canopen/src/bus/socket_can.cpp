@@ -80,7 +80,8 @@ int open_raw_socket(const std::string& interface) {
   // NOLINTNEXTLINE(cppcoreguidelines-pro-type-reinterpret-cast): how the socket API takes addresses
   if (::bind(raw.get(), reinterpret_cast<const sockaddr*>(&address), sizeof address) != 0) {
     const int error = errno;
-    throw_unopened(interface, error == ENODEV ? "it is no CAN interface" : can_error_words(error));
+    throw_unopened(interface,
+                   error == ENODEV ? "it is not a CAN interface" : can_error_words(error));
   }
   return raw.release();
 }
@@ -290,9 +291,9 @@ struct SocketCan::State final : Port, std::enable_shared_from_this<SocketCan::St
     if (is_over) return;
     report(bridge::Severity::warning,
            "is not sending: " + std::to_string(waiting.size()) +
-               " frames are waiting for it, and the bus and the time of its drives stand still "
-               "until it sends or goes down; 'ip -details link show " +
-               settings.interface + "' has its state");
+               " frames are queued for it; bus and drive time stand still until it sends or goes "
+               "down; 'ip -details link show " +
+               settings.interface + "' shows its state");
   }
 
   void note_down() {

@@ -83,8 +83,8 @@ class SocketcandConnection final : public Port,
     shared_->host.report(
         bridge::Severity::warning, "socketcand " + address_text(shared_->settings.listen),
         "a client is not reading: " + std::to_string(frames_.size()) +
-            " frames are waiting for it, and the bus and the time of its drives stand still until "
-            "it reads or disconnects; a client that only sends should use '< bcmmode >'");
+            " frames are queued for it; bus and drive time stand still until it reads them or "
+            "disconnects; a client that only sends should use '< bcmmode >'");
   }
 
   /// Leaves the bus and closes the connection.

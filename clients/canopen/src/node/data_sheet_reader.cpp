@@ -116,7 +116,8 @@ DataSheet read_data_sheet(std::string_view text) {
       read_key(line, *section);
     }
   }
-  if (sheet.empty()) throw DataSheetError("it has no object: no section such as [6040]");
+  if (sheet.empty())
+    throw DataSheetError("it describes no object: it has no section such as [6040]");
   return sheet;
 }
 
