@@ -54,21 +54,23 @@ void declare(CLI::App& app, Arguments& arguments) {
                  "Serve Prometheus metrics at http://ADDRESS:PORT/metrics; port 0 = any")
       ->type_name("ADDRESS:PORT");
   app.add_flag("--control", arguments.hub.is_control,
-               "Clients may command; without it they only receive");
+               "Let clients command axes; without it they only receive");
   app.add_option("--token", arguments.token,
-                 "File whose first line clients must send as ?token=...; needed off loopback")
+                 "File with the token in its first line; clients send it as ?token=...; required "
+                 "unless on loopback")
       ->type_name("FILE");
   app.add_option("--host", arguments.web.rules.hosts,
-                 "Name under which browsers reach this gateway, beside localhost and addresses")
+                 "Host name under which browsers reach this gateway, in addition to localhost and "
+                 "addresses")
       ->type_name("NAME");
   app.add_option("--origin", arguments.web.rules.origins,
-                 "Page elsewhere that may connect, such as https://app.example.org")
+                 "Origin of another page that may connect, such as https://app.example.org")
       ->type_name("ORIGIN");
-  app.add_option("--rate", arguments.hub.rate, "Messages of a channel a second, 1 to 1000")
+  app.add_option("--rate", arguments.hub.rate, "Messages per channel and second, 1 to 1000")
       ->check(CLI::Range(kLowestRate, kHighestRate))
       ->capture_default_str()
       ->type_name("HZ");
-  app.add_option("--clients", arguments.web.most_clients, "Connections at a time, 1 to 1000")
+  app.add_option("--clients", arguments.web.most_clients, "Connections at the same time, 1 to 1000")
       ->transform(bridge::whole_number(1, 1000))
       ->capture_default_str()
       ->type_name("N");
@@ -122,7 +124,7 @@ void read_texts(Arguments& arguments) {
   if (!arguments.token.empty()) web.rules.token = read_token(arguments.token);
   if (!is_loopback(web.listen.address) && web.rules.token.empty()) {
     throw BadArguments("--listen " + in_quotes(arguments.listen) +
-                       ": other machines reach this address, so that --token is needed");
+                       ": other machines can reach this address: give --token");
   }
   arguments.hub.is_token = !web.rules.token.empty();
   client::SessionOptions& session = arguments.hub.session;
@@ -155,8 +157,8 @@ int serve(Arguments& arguments) {
 /// @return the exit code: 0 done, 1 no network or no port, 2 bad command line
 int run_command_line(int argument_count, const char* const* argument_list) {
   CLI::App app(
-      "Shows benches of virtual servo drives in a browser, Foxglove, Lichtblick and "
-      "PlotJuggler, by the Foxglove WebSocket protocol.",
+      "Shows benches of virtual servo drives in a browser, Foxglove, Lichtblick and PlotJuggler "
+      "over the Foxglove WebSocket protocol.",
       "vdrive-gateway");
   Arguments arguments;
   declare(app, arguments);

@@ -115,7 +115,7 @@ TEST_F(ControlOfAGateway, RefusesAllButReadingWhereTheGatewayIsViewOnly) {
   ControlDesk viewing(false, *this, server_, clients_);
   EXPECT_TRUE(viewing.check(kFirst, Right::none));
   for (const Right right : {Right::stop, Right::command, Right::jog, Right::take_control}) {
-    EXPECT_THAT(viewing.check(kFirst, right).message(), HasSubstr("view only"));
+    EXPECT_THAT(viewing.check(kFirst, right).message(), HasSubstr("view-only"));
   }
 }
 
@@ -134,7 +134,7 @@ TEST_F(ControlOfAGateway, ShowsEachReceiverWhoHasControl) {
 
 TEST_F(ControlOfAGateway, TakesOverOnlyByForceAndTellsTheHolderByWhom) {
   EXPECT_EQ(take(kFirst), "");
-  EXPECT_THAT(take(kSecond), HasSubstr("/take_control takes it over when its request has force"));
+  EXPECT_THAT(take(kSecond), HasSubstr("call /take_control with force to take it over"));
   EXPECT_THAT(ended_, IsEmpty());
   (void)server_.take(kFirst);
   EXPECT_EQ(take(kSecond, {{"force", true}, {"name", "night shift"}}), "");
@@ -330,7 +330,7 @@ TEST_F(CallsOfServices, AreDroppedWithAnAnswerWhenTooManyWait) {
   for (std::size_t i = 0; i < bridge::Worker::kMostJobs + 2; ++i) send(kFirst, "/move", "{}");
   const auto sent = server_.take_json(kFirst);
   ASSERT_FALSE(sent.empty());
-  EXPECT_EQ(sent.back()["message"], "too many calls wait: this one is dropped");
+  EXPECT_EQ(sent.back()["message"], "too many calls are waiting: this one was dropped");
 }
 
 TEST_F(CallsOfServices, TakeAndReleaseControl) {
@@ -425,7 +425,7 @@ TEST_F(ParametersOfClients, LimitsTheSubscriptionsOfAConnection) {
   for (std::size_t i = 0; i <= ParameterDesk::kMost; ++i) names.push_back(std::to_string(i));
   parameters_.subscribe(kFirst, {.is_on = true, .names = names});
   EXPECT_EQ(server_.take_json(kFirst).at(0)["message"],
-            "a connection subscribes 512 parameters at most");
+            "a connection can subscribe to at most 512 parameters");
 }
 
 // ---- connections

@@ -908,7 +908,7 @@ TEST(GatewayQueues, DropTheOldestForASlowClientAndReportIt) {
   EXPECT_GT(received, 50) << "the other clients continue";
   const Json warning = slow.next_text("status");
   EXPECT_EQ(warning["level"], 1);
-  EXPECT_THAT(warning["message"], HasSubstr("left out"));
+  EXPECT_THAT(warning["message"], HasSubstr("dropped"));
 }
 
 }  // namespace

@@ -77,7 +77,7 @@ TEST_F(JogsOfAClient, NeedANewPressAfterASilence) {
   ASSERT_TRUE(request(1'000, Jogs::kHeldTime));
   const Outcome ended = request(1'000);
   EXPECT_EQ(ended.kind(), OutcomeKind::failed);
-  EXPECT_THAT(ended.message(), HasSubstr("let go (velocity 0), then press again"));
+  EXPECT_THAT(ended.message(), HasSubstr("release (velocity 0), then press again"));
   jogs_.forget_ended();
   EXPECT_FALSE(request(1'000)) << "the button is still held";
   EXPECT_TRUE(request(0));
@@ -116,7 +116,7 @@ TEST_F(JogsOfAClient, GiveAnotherAxisThePlaceOfOneWhoseRequestIsNotRepeated) {
   for (std::size_t i = 0; i < Jogs::kMostAxes; ++i) {
     EXPECT_FALSE(request(1'000, -20s, "1." + std::to_string(100 + i)));
   }
-  EXPECT_THAT(request(1'000).message(), HasSubstr("32 axes jog already"));
+  EXPECT_THAT(request(1'000).message(), HasSubstr("32 axes are already being jogged"));
   EXPECT_TRUE(request(1'000, -60s)) << "40 s after the others";
   EXPECT_TRUE(request(0));
 }

@@ -77,7 +77,7 @@ ChannelTable::Problem ChannelTable::subscribe(ConnectionId id, const Subscriptio
     return "channel " + std::to_string(wanted.channel) + " does not exist";
   }
   if (is_full(id)) {
-    return "a connection has " + std::to_string(kMostSubscriptions) + " subscriptions at most";
+    return "a connection can have at most " + std::to_string(kMostSubscriptions) + " subscriptions";
   }
   if (!subscriptions.emplace(wanted.id, channel->second).second) {
     return "subscription " + std::to_string(wanted.id) + " exists already";

@@ -47,7 +47,7 @@ Outcome ControlDesk::check(ConnectionId id, Right right) const {
   if (right == Right::none || right == Right::events || right == Right::judge) return {};
   if (!is_enabled_) {
     return Outcome::refused(kControlled,
-                            "this gateway is view only: start it with --control to command axes");
+                            "this gateway is view-only: start it with --control to command axes");
   }
   const bool needs_control = right == Right::command || right == Right::jog;
   if (!needs_control || is_holder(id)) return {};
@@ -56,9 +56,9 @@ Outcome ControlDesk::check(ConnectionId id, Right right) const {
 }
 
 Outcome ControlDesk::held_outcome() const {
-  return Outcome::refused(kControlled,
-                          "control is held by " + in_quotes(clients_.name(holder_->id)) +
-                              ": /take_control takes it over when its request has force");
+  return Outcome::refused(kControlled, "control is held by " +
+                                           in_quotes(clients_.name(holder_->id)) +
+                                           ": call /take_control with force to take it over");
 }
 
 SessionPointer ControlDesk::session_of(ConnectionId id) const {
@@ -103,7 +103,7 @@ void ControlDesk::take(ConnectionId id, const Json& request, const Answer& answe
       });
     }
   });
-  if (!is_posted) answer({.outcome = Outcome::failed("too many calls wait")});
+  if (!is_posted) answer({.outcome = Outcome::failed("too many calls are waiting")});
 }
 
 void ControlDesk::change(Taking taking) {

@@ -102,7 +102,7 @@ CallAnswer call_fault(client::Session& session, const Json& request) {
   const auto number = optional_integer(request, "window", kWindows);
   if (!number) throw ProtocolError("'window' is missing: its number, as /faults has it");
   const Json& name = member(request, "axis");
-  if (!name.is_string()) throw ProtocolError(R"('axis' must be a text, such as "1.2")");
+  if (!name.is_string()) throw ProtocolError(R"('axis' must be a string, such as "1.2")");
   const auto axis = session.axis(name.get<std::string>());
   if (!axis) return {.outcome = axis.outcome()};
   const auto bench = session.find_bench(axis->id().bench);

@@ -57,7 +57,7 @@ void Jogs::post(Jog& jog, const Answer& answer, Call call) {
   });
   if (is_posted) return;
   --jog.calls;
-  answer({.outcome = Outcome::failed("too many calls wait: this one is dropped")});
+  answer({.outcome = Outcome::failed("too many calls are waiting: this one was dropped")});
 }
 
 void Jogs::request(const JogRequest& request, Clock::time_point now, const Answer& answer) {
@@ -68,7 +68,9 @@ void Jogs::request(const JogRequest& request, Clock::time_point now, const Answe
     });
   }
   if (jogs_.size() >= kMostAxes && !jogs_.contains(request.axis)) {
-    answer({.outcome = Outcome::failed(counted(kMostAxes, "axis jogs", "axes jog") + " already")});
+    answer({.outcome =
+                Outcome::failed(counted(kMostAxes, "axis is", "axes are") +
+                                " already being jogged, which is the limit: release one first")});
     return;
   }
   Jog& jog = jogs_[request.axis];
@@ -82,7 +84,7 @@ void Jogs::request(const JogRequest& request, Clock::time_point now, const Answe
   }
   if (is_press && jog.is_pressed && !continues) {
     answer({.outcome = Outcome::failed("the jog of axis " + request.axis +
-                                       " has ended: let go (velocity 0), then press again")});
+                                       " has ended: release (velocity 0), then press again")});
     return;
   }
   let_go(jog);

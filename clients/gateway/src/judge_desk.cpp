@@ -37,8 +37,9 @@ CallAnswer JudgeDesk::call(const Json& request) {
   const std::scoped_lock lock(mutex_);
   forget_unasked();
   if (!benches_.contains(bench) && benches_.size() == kMostBenches) {
-    return {.outcome = client::Outcome::failed("this gateway judges " +
-                                               std::to_string(kMostBenches) + " benches already")};
+    return {.outcome = client::Outcome::failed("this gateway already judges " +
+                                               std::to_string(kMostBenches) +
+                                               " benches, which is the limit")};
   }
   auto& place = benches_[bench];
   if (place == nullptr) {
@@ -72,9 +73,9 @@ void JudgeDesk::work(std::uint32_t bench, Judged& judged, const std::stop_token&
   auto axes = session_.axes(bench);
   if (!axes) return ends(axes.outcome());
   if (axes->size() > kMostAxes) {
-    return ends(client::Outcome::failed("bench " + std::to_string(bench) + " has " +
-                                        std::to_string(axes->size()) + " axes; a gateway judges " +
-                                        std::to_string(kMostAxes) + " at most: use vdrive judge"));
+    return ends(client::Outcome::failed(
+        "bench " + std::to_string(bench) + " has " + std::to_string(axes->size()) +
+        " axes; a gateway judges at most " + std::to_string(kMostAxes) + ": use vdrive judge"));
   }
   auto judge = judge::LiveJudge::create(session_, bench, std::move(*axes));
   if (!judge) return ends(judge.outcome());

@@ -78,12 +78,10 @@ class MetricFamilies {
 };
 
 void add_clients(MetricFamilies& families, const WebCounters& web) {
-  families.gauge("vdrive_gateway_clients", "WebSockets that are open",
-                 static_cast<double>(web.clients));
-  families.counter("vdrive_gateway_connections_total", "WebSockets that were opened",
-                   web.connections);
+  families.gauge("vdrive_gateway_clients", "Open WebSockets", static_cast<double>(web.clients));
+  families.counter("vdrive_gateway_connections_total", "WebSockets opened", web.connections);
   families.counters<Refusal>("vdrive_gateway_upgrades_refused_total",
-                             "Requests to open a WebSocket that were refused", web.refused);
+                             "Refused requests to open a WebSocket", web.refused);
   families.counters<CutOff>("vdrive_gateway_clients_cut_off_total",
                             "WebSockets that the gateway closed because of their client",
                             web.cut_off);
@@ -92,17 +90,17 @@ void add_clients(MetricFamilies& families, const WebCounters& web) {
   families.counter("vdrive_gateway_bytes_sent_total", "Payload of the messages sent to clients",
                    web.bytes_sent);
   families.counter("vdrive_gateway_messages_dropped_total",
-                   "Messages left out for clients that read too slowly", web.dropped);
+                   "Messages dropped for clients that read too slowly", web.dropped);
 }
 
 void add_channels(MetricFamilies& families, const GatewayCounts& counts) {
   families.gauge("vdrive_gateway_channels", "Topics", static_cast<double>(counts.channels));
-  families.gauge("vdrive_gateway_channels_subscribed", "Topics that some client receives",
+  families.gauge("vdrive_gateway_channels_subscribed", "Topics with at least one subscriber",
                  static_cast<double>(counts.subscribed));
   families.gauge("vdrive_gateway_subscriptions", "Subscriptions of all clients",
                  static_cast<double>(counts.subscriptions));
   families.counter("vdrive_gateway_batches_lost_total",
-                   "Publications of a bench left out because the gateway was late",
+                   "Publications of a bench dropped because the gateway was late",
                    counts.lost_batches);
   families.gauge("vdrive_gateway_controlled", "1 while a client holds control",
                  counts.is_controlled ? 1.0 : 0.0);
@@ -119,8 +117,8 @@ void add_benches(MetricFamilies& families, const std::vector<BenchPresence>& ben
                     return bench.is_alive ? 1.0 : 0.0;
                   });
   families.gauges("vdrive_gateway_newest_sample_age_seconds",
-                  "How old the newest sample of the bench is, in wall time", "bench", benches,
-                  number, [](const BenchPresence& bench) {
+                  "Age of the newest sample of the bench, in wall time", "bench", benches, number,
+                  [](const BenchPresence& bench) {
                     return std::chrono::duration<double>(bench.sample_age).count();
                   });
 }
@@ -129,8 +127,9 @@ void add_benches(MetricFamilies& families, const std::vector<BenchPresence>& ben
 
 std::string metrics_text(const GatewayCounts& counts) {
   MetricFamilies families;
-  families.labelled_gauge("vdrive_gateway_info", "1; its label has the version of the gateway",
-                          "version", VDRIVE_VERSION, 1.0);
+  families.labelled_gauge("vdrive_gateway_info",
+                          "Always 1; the label is the version of the gateway", "version",
+                          VDRIVE_VERSION, 1.0);
   add_clients(families, counts.web);
   add_channels(families, counts);
   add_benches(families, counts.benches);

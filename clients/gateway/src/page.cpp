@@ -16,7 +16,7 @@ constexpr std::string_view kFallback = R"(<!doctype html>
 <title>vdrive-gateway</title>
 <h1>vdrive-gateway</h1>
 <p>The gateway runs: Foxglove, Lichtblick and PlotJuggler can connect to this address by WebSocket.
-<p>This build has no web page of its own. Its build needs node, npm and the npm registry:
+<p>This build does not include the web page. Building the page needs node, npm and the npm registry:
 <pre>deploy/setup.sh --page
 deploy/build.sh --target vdrive-gateway</pre>
 </html>

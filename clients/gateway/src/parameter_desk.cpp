@@ -119,7 +119,7 @@ void ParameterDesk::post(ConnectionId id, const std::optional<std::string>& requ
     });
   });
   if (!is_posted) {
-    server_.send_status(id, Level::error, "too many requests wait: this one is dropped");
+    server_.send_status(id, Level::error, "too many requests are waiting: this one was dropped");
   }
 }
 
@@ -166,7 +166,7 @@ void ParameterDesk::subscribe(ConnectionId id, const SubscribeParameters& messag
     if (subscribed.values.size() >= kMost) {
       return server_.send_status(
           id, Level::error,
-          "a connection subscribes " + std::to_string(kMost) + " parameters at most");
+          "a connection can subscribe to at most " + std::to_string(kMost) + " parameters");
     }
     if (subscribed.values.emplace(name, std::nullopt).second) subscribed.unsent.insert(name);
   }

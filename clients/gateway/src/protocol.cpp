@@ -203,7 +203,7 @@ bool is_absent(const Json& object, const char* key) {
 }
 
 std::string as_text(const Json& value, const char* key) {
-  if (!value.is_string()) throw ProtocolError(in_quotes(key) + " must be a text");
+  if (!value.is_string()) throw ProtocolError(in_quotes(key) + " must be a string");
   return value.get<std::string>();
 }
 

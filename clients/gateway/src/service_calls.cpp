@@ -99,7 +99,7 @@ void ServiceCalls::carry_out(ConnectionId id, const ServiceRow& row, Json reques
   const bool is_posted =
       row.right == Right::stop ? stops_.post(std::move(job)) : clients_.post(id, std::move(job));
   if (!is_posted) {
-    answer({.outcome = Outcome::failed("too many calls wait: this one is dropped")});
+    answer({.outcome = Outcome::failed("too many calls are waiting: this one was dropped")});
   }
 }
 

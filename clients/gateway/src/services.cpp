@@ -78,7 +78,7 @@ std::vector<std::string> axes_of(const Json& request) {
     throw ProtocolError(R"('axes' must be a list of addresses or names, such as ["1.1", "1.2"])");
   }
   return each_of(list, [](const Json& axis) {
-    if (!axis.is_string()) throw ProtocolError(R"('axes' must have texts, such as "1.2")");
+    if (!axis.is_string()) throw ProtocolError(R"('axes' must contain strings, such as "1.2")");
     return axis.get<std::string>();
   });
 }
@@ -245,7 +245,7 @@ CallAnswer call_move_group(Session& session, const Json& request) {
   Eigen::VectorXd targets(static_cast<Eigen::Index>(moves.size()));
   Eigen::Index place = 0;
   const auto names = each_of(moves, [&](const Json& move) {
-    if (!move.is_object()) throw ProtocolError("'moves' must have objects");
+    if (!move.is_object()) throw ProtocolError("'moves' must contain objects");
     targets[place++] = number_of<std::int32_t>(move, "position");
     return axis_text_of(move);
   });

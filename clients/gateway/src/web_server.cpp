@@ -399,7 +399,7 @@ class WebConnection final : public std::enable_shared_from_this<WebConnection> {
     const std::uint64_t dropped = queue_.take_dropped();
     if (dropped == 0) return;
     const std::string text = counted(dropped, "message was", "messages were") +
-                             " left out: this connection is too slow for its subscriptions";
+                             " dropped: this connection is too slow for its subscriptions";
     push_answer(text_frame(share(status_text(Level::warning, text))), false);
   }
 
