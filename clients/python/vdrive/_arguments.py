@@ -146,7 +146,7 @@ def text(name: str, value: Any) -> str:
         pass
     if isinstance(value, str) and is_utf8(value):
         return value
-    raise TypeError(f"{name} = {shown(value)}: must be a text")
+    raise TypeError(f"{name} = {shown(value)}: must be a string")
 
 
 def texts(name: str, value: Any) -> list[str]:
