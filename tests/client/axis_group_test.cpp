@@ -631,8 +631,8 @@ TEST_F(LockStepGroup, ATargetBesideTheLineIsRefusedAndTheAxesGoOn) {
   const Outcome refused = group.move_together(vector({100'000, 0}));
   EXPECT_EQ(refused.code(), kRefusedInState);
   EXPECT_THAT(refused.message(),
-              HasSubstr("axis 1.2: its target (607Ah) is 0 UU (0.00 deg), where the line that the "
-                        "axes move along has 50000 UU (4394.53 deg), give or take 1 UU"));
+              HasSubstr("axis 1.2: its target (607Ah) is 0 UU (0.00 deg), but the present line "
+                        "needs 50000 UU (4394.53 deg), give or take 1 UU"));
   const Outcome arrived = group.wait_all();
   ASSERT_TRUE(arrived) << arrived.message();
   EXPECT_EQ(group.status()->demand(), targets);
@@ -647,7 +647,7 @@ TEST_F(LockStepGroup, ALineDoesNotStartWhileAnAxisMovesWithoutOne) {
   const Outcome refused = group.move_together(vector({0, 200'000}));
   EXPECT_EQ(refused.code(), kRefusedInState);
   EXPECT_THAT(refused.message(),
-              HasSubstr("axis 1.2 still moves: its velocity demand (606Bh) is "));
+              HasSubstr("axis 1.2 is still moving: its velocity demand (606Bh) is "));
 }
 
 TEST_F(LockStepGroup, QuickStopEndsInSwitchOnDisabledAndDropsTheQueue) {

@@ -62,10 +62,9 @@ TEST_F(MovingLine, TakesATargetThatIsRounded) {
   EXPECT_TRUE(continued({6'100, -1'801}));
   EXPECT_THAT(
       refusal({6'100, -1'802}),
-      HasSubstr("axis 1.2: its target (607Ah) is -1802 UU (-1.802 mm), where the line that the "
-                "axes move along has -1800 UU (-1.800 mm), give or take 1 UU (0.001 mm): a line "
-                "starts from rest, or goes on "
-                "along the one in hand"));
+      HasSubstr("axis 1.2: its target (607Ah) is -1802 UU (-1.802 mm), but the present line "
+                "needs -1800 UU (-1.800 mm), give or take 1 UU (0.001 mm): a line starts from rest "
+                "or continues the present one"));
   // Twice the way, twice the rounding.
   EXPECT_TRUE(continued({18'100, -5'802}));
   EXPECT_THAT(refusal({18'100, -5'803}), HasSubstr("axis 1.2: its target (607Ah) is -5803 UU"));
@@ -74,13 +73,13 @@ TEST_F(MovingLine, TakesATargetThatIsRounded) {
 TEST_F(MovingLine, NamesTheAxisThatMovesBesideIt) {
   axes[1] = moving_axis(2, -1'300, -202);
   EXPECT_THAT(refusal({18'100, -5'800}),
-              HasSubstr("axis 1.2: its velocity demand (606Bh) is -202 UU/s (-0.202 mm/s), where "
-                        "the line that the axes move along has -200 UU/s (-0.200 mm/s), give or "
+              HasSubstr("axis 1.2: its velocity demand (606Bh) is -202 UU/s (-0.202 mm/s), but "
+                        "the present line needs -200 UU/s (-0.200 mm/s), give or "
                         "take 1 UU/s (0.001 mm/s)"));
   axes[1] = moving_axis(2, -1'304, -200);
   EXPECT_THAT(refusal({18'100, -5'800}),
-              HasSubstr("axis 1.2: its position demand (6062h) is -1304 UU (-1.304 mm), where the "
-                        "line that the axes move along has -1300 UU (-1.300 mm), give or take 3 UU "
+              HasSubstr("axis 1.2: its position demand (6062h) is -1304 UU (-1.304 mm), but the "
+                        "present line needs -1300 UU (-1.300 mm), give or take 3 UU "
                         "(0.003 mm)"));
   axes[1] = moving_axis(2, -1'303, -201);
   EXPECT_EQ(refusal({18'100, -5'800}), "taken") << "by the rounding of both";
@@ -91,8 +90,8 @@ TEST_F(MovingLine, NeedsALineInHand) {
   axes[0] = moving_axis(1, 4'600, 0);
   EXPECT_THAT(
       refusal({18'100, -5'800}),
-      HasSubstr("axis 1.2 still moves: its velocity demand (606Bh) is -200 UU/s (-0.200 mm/s), "
-                "and has to be 0 where no line of this group is in hand"));
+      HasSubstr("axis 1.2 is still moving: its velocity demand (606Bh) is -200 UU/s (-0.200 mm/s), "
+                "but must be 0 since this group has no line to continue"));
 }
 
 TEST_F(MovingLine, GivesAnAxisWithoutAWayOneUnit) {

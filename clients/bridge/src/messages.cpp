@@ -268,7 +268,7 @@ std::uint8_t log_level(client::EventKind kind) {
 std::string event_text(const client::Event& event) {
   std::string text = event.text;
   if (event.suppressed != 0) {
-    text.append(" (").append(std::to_string(event.suppressed)).append(" more left out before)");
+    text.append(" (").append(std::to_string(event.suppressed)).append(" more suppressed)");
   }
   return text;
 }

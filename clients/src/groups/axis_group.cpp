@@ -384,7 +384,7 @@ Outcome AxisGroup::monitor(bool on) {
   if (Outcome begun = call.begin(kUsualTimeout); !begun) return begun;
   if (call.steps()) {
     return Outcome::refused(wire::number(msg::Reason::wrong_clock_mode),
-                            "a monitor needs a clock that runs by itself");
+                            "a monitor needs a clock that is not stepped: realtime or freerun");
   }
   state_->monitor = std::jthread(
       [state = state_.get(), watched = std::move(call)](const std::stop_token& stop) mutable {

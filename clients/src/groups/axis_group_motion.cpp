@@ -103,15 +103,15 @@ Outcome check_range(const AxesCall& call, const AxisId& axis,
 Outcome check_habits(const std::string& axis, const std::vector<std::int64_t>& values,
                      bool in_motion) {
   if (values[habit_controlword_loop] != 0) {
-    return not_in_this_state(axis + ": habit_controlword_loop (5E20h:06) is " +
-                             std::to_string(values[habit_controlword_loop]) +
-                             ", and has to be 0 for a line: the axis would start later than the "
-                             "others");
+    return not_in_this_state(
+        axis + ": habit_controlword_loop (5E20h:06) is " +
+        std::to_string(values[habit_controlword_loop]) +
+        ", but must be 0 for a line: the axis would start later than the others");
   }
   if (!in_motion || values[habit_plan_from_rest] == 0) return {};
-  return not_in_this_state(axis +
-                           ": habit_plan_from_rest (5E20h:0B) is 1, and has to be 0 for a line "
-                           "that starts in motion");
+  return not_in_this_state(
+      axis +
+      ": habit_plan_from_rest (5E20h:0B) is 1, but must be 0 for a line that starts in motion");
 }
 
 /// The limits of one axis as the drive applies them.

@@ -75,10 +75,9 @@ Outcome check_on_line(const AxisId& axis, const Unit& unit, const OnLine& seen) 
     return quantity_text(std::llround(value), seen.dimension, unit);
   };
   return not_in_this_state("axis " + to_string(axis) + ": its " + std::string(seen.what) + " is " +
-                           text(seen.value) + ", where the line that the axes move along has " +
-                           text(seen.of_line) + ", give or take " +
-                           text(std::floor(seen.rounding)) +
-                           ": a line starts from rest, or goes on along the one in hand");
+                           text(seen.value) + ", but the present line needs " + text(seen.of_line) +
+                           ", give or take " + text(std::floor(seen.rounding)) +
+                           ": a line starts from rest or continues the present one");
 }
 
 Outcome check_motion(const Measure& measure, std::span<const AxisSnapshot> axes,
@@ -137,10 +136,10 @@ Result<LineCourse> continued_course(const std::optional<LineCourse>& in_hand,
       return axis.status.velocity_demand_value != 0;
     });
     return not_in_this_state(
-        "axis " + to_string(moving->id) + " still moves: its velocity demand (606Bh) is " +
+        "axis " + to_string(moving->id) + " is still moving: its velocity demand (606Bh) is " +
         quantity_text(moving->status.velocity_demand_value, Dimension::velocity,
                       units[static_cast<std::size_t>(moving - axes.begin())]) +
-        ", and has to be 0 where no line of this group is in hand");
+        ", but must be 0 since this group has no line to continue");
   }
   const Measure measure(*in_hand);
   if (Outcome moves = check_motion(measure, axes, units); !moves) return moves;

@@ -46,15 +46,16 @@ inline constexpr std::array kDisturbances{
         "holds the load; once the deviation is above 6065h for 6066h, so never in a move "
         "shorter than 6065h"},
     DisturbanceRow{Disturbance::over_current, "over_current", "test_over_current",
-                   ErrorCode::continuous_over_current, "at once, in every state"},
+                   ErrorCode::continuous_over_current, "immediately, in every state"},
     DisturbanceRow{Disturbance::over_temperature, "over_temperature", "test_over_temperature",
-                   ErrorCode::excess_temperature_drive, "at once, in every state"},
+                   ErrorCode::excess_temperature_drive, "immediately, in every state"},
     DisturbanceRow{Disturbance::encoder_failure, "encoder_failure", "test_encoder_failure",
                    ErrorCode::incremental_sensor_1_fault,
-                   "at once, in every state; the axis coasts, whatever 605Eh says"},
-    DisturbanceRow{Disturbance::dc_link_loss, "dc_link_loss", "test_dc_link_loss",
-                   ErrorCode::dc_link_under_voltage,
-                   "at once where the motor has power; else the axis goes to Switch on disabled"},
+                   "immediately, in every state; the axis coasts, regardless of 605Eh"},
+    DisturbanceRow{
+        Disturbance::dc_link_loss, "dc_link_loss", "test_dc_link_loss",
+        ErrorCode::dc_link_under_voltage,
+        "immediately if the motor has power; otherwise the axis goes to Switch on disabled"},
     DisturbanceRow{Disturbance::positive_limit, "positive_limit", "test_positive_limit_input",
                    ErrorCode::none, "stops a motion in positive direction; bit 1 of 60FDh"},
     DisturbanceRow{Disturbance::negative_limit, "negative_limit", "test_negative_limit_input",
@@ -65,18 +66,18 @@ inline constexpr std::array kDisturbances{
                    ErrorCode::none, "a rising edge is an index mark for homing"},
     DisturbanceRow{Disturbance::connection_loss, "connection_loss", "test_connection_loss",
                    ErrorCode::life_guard_or_heartbeat,
-                   "a rising edge is the loss of the master: at once in Operation enabled and in "
-                   "Quick stop active, where 6007h is 1; 0, 2 and 3 choose another reaction"},
+                   "a rising edge is the loss of the master: immediately in Operation enabled and "
+                   "Quick stop active if 6007h is 1; 0, 2 and 3 select another reaction"},
     DisturbanceRow{Disturbance::power_drop, "power_drop", "test_power_drop", ErrorCode::none,
                    "a rising edge takes Operation enabled to Switched on; the axis coasts until a "
                    "controlword enables it again"},
     DisturbanceRow{Disturbance::frozen_feedback, "frozen_feedback", "test_frozen_feedback",
                    ErrorCode::none,
-                   "positions that are shown stay, velocities are 0; the axis itself goes on with "
-                   "the true feedback"},
+                   "reported positions are frozen and velocities are 0; the axis itself continues "
+                   "with the true feedback"},
 };
 
-/// @return such as "fault 2310h, continuous over-current: at once, in every state".
+/// @return such as "fault 2310h, continuous over-current: immediately, in every state".
 [[nodiscard]] std::string text_of(const DisturbanceRow& row);
 
 }  // namespace vdrive::client
