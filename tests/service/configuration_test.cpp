@@ -443,7 +443,7 @@ TEST(Configuration, IsRefusedWithAHundredMistakesAtMost) {
   for (int axis = 0; axis < 150; ++axis) text += "  - {number: 0, name: 1}\n";
   const std::string refusal = refusal_of(text);
   EXPECT_EQ(std::ranges::count(refusal, '\n'), 100);
-  EXPECT_TRUE(refusal.ends_with("\nreading ended after 100 mistakes")) << refusal;
+  EXPECT_TRUE(refusal.ends_with("\nstopped after 100 mistakes")) << refusal;
 }
 
 // 48 characters from the front and 16 from the end are shown of 64.

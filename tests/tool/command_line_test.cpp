@@ -100,7 +100,7 @@ TEST(CommandLine, RefusesToShowAPartOfTheDictionaryOfANode) {
   EXPECT_EQ(refusal_of(split("dictionary --format node-json --language zh")),
             "'--format node-json' is in English, so it takes no --language");
   EXPECT_EQ(refusal_of(split("dictionary --format eds --json")),
-            "'--format eds' is no JSON; 'vdrive dictionary --format node-json' is");
+            "'--format eds' is not available as JSON: use 'vdrive dictionary --format node-json'");
 }
 
 TEST(CommandLine, TakesTheAxisOfANodeForADataSheetAlone) {
@@ -450,7 +450,7 @@ TEST(PrivateBenchesOfRun, AreOnNoNetworkThatIsGiven) {
     for (const char* const wire : {"local", "dds"}) {
       EXPECT_THAT(refusal_of_benches("run --private a.scn --over " + std::string(wire) + " " +
                                      std::string(option)),
-                  AllOf(StartsWith(name), HasSubstr("a bench that runs already")));
+                  AllOf(StartsWith(name), HasSubstr("a running bench")));
     }
   }
 }

@@ -146,7 +146,7 @@ TEST_F(Plot, OfARecordingWithoutASampleFails) {
   expect_refused(empty + to, 1, "has no sample");
   expect_refused(path("none.csv") + to, 1, "No such file");
   expect_refused(recording_of("a.csv", 1, 5) + to + " --from 1s", 1,
-                 "--from 1 s is behind the end of");
+                 "--from 1 s is after the end of");
   EXPECT_FALSE(std::filesystem::exists(path("a.svg")));
 }
 
@@ -163,8 +163,8 @@ TEST_F(Plot, ExitsTwoOnAnArgumentThatIsNotValid) {
   expect_refused(csv, 2, "--output");
   expect_refused(csv + " -o " + path("a.png"), 2, "does not end in .svg");
   expect_refused(csv + to + " --columns positon", 2, "no column 'positon'");
-  expect_refused(csv + to + " --for 2s", 2, "--for is for an axis");
-  expect_refused(csv + to + " --from 2s --to 1s", 2, "--from 2 s has to be below --to 1 s");
+  expect_refused(csv + to + " --for 2s", 2, "--for is for recording an axis");
+  expect_refused(csv + to + " --from 2s --to 1s", 2, "--from 2 s must be before --to 1 s");
   expect_refused(csv + to + " --width 10", 2, "320 to 4000 pixels");
   expect_refused(csv + to + " --height 200", 2, "too low for 4 panels");
   expect_refused(path("a.txt") + to, 2, "does not end in .csv, .jsonl or .mcap");

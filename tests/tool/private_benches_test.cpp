@@ -158,8 +158,8 @@ TEST_F(PrivateBenches, GiveNoAdviceThatNeedsThemAfterTheirEnd) {
   for (const Finished& finished : {run_privately({faulted, limited}), test({faulted, limited})}) {
     EXPECT_EQ(finished.code, 1);
     EXPECT_THAT(finished.errors,
-                AllOf(HasSubstr("next: the line of the axis has the cause of the fault; "
-                                "'reset 1.1' in front of this line ends it"),
+                AllOf(HasSubstr("next: the line of the axis shows the cause of the fault; "
+                                "'reset 1.1' above this line ends it"),
                       HasSubstr("next: 'vdrive run --private --live' shows the axes"),
                       Not(HasSubstr("vdrive events"))));
   }

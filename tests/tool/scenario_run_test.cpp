@@ -171,11 +171,11 @@ TEST_F(SeveralFiles, ReportTheTickTheAxisAndTheNextStepOfAFailure) {
                     HasSubstr(": Operation enabled, bit 3 fault is 0\n"),
                     testing::ContainsRegex("\n  axis 1.1 at tick [0-9]+: 0x[0-9A-F]+ Operation "
                                            "enabled.*; position 0 UU \\(0.00 deg\\), velocity"),
-                    HasSubstr("\n  next: where the value comes later add --within")));
-  EXPECT_THAT(report(), AllOf(HasSubstr("file=\"" + failing + "\" line=\"2\"><failure message="),
-                              HasSubstr("type=\"expectation\">" + failing + ":2: expect"),
-                              HasSubstr("\n  next: where the value comes later"),
-                              HasSubstr("line=\"3\"><skipped/>")));
+                    HasSubstr("\n  next: add --within if the value is reached later")));
+  EXPECT_THAT(report(),
+              AllOf(HasSubstr("file=\"" + failing + "\" line=\"2\"><failure message="),
+                    HasSubstr("type=\"expectation\">" + failing + ":2: expect"),
+                    HasSubstr("\n  next: add --within"), HasSubstr("line=\"3\"><skipped/>")));
 }
 
 struct AdviceRow {
@@ -204,20 +204,20 @@ TEST_P(AdviceOfAFailure, IsTheNextStep) {
 INSTANTIATE_TEST_SUITE_P(
     Lines, AdviceOfAFailure,
     testing::Values(
-        AdviceRow{"not_enabled", "move 1.1 100\n", "write 'enable 1.1' in front of this line"},
+        AdviceRow{"not_enabled", "move 1.1 100\n", "write 'enable 1.1' above this line"},
         AdviceRow{"in_fault", "disturb 1.1 over_temperature\nwait 1.1 fault\nmove 1.1 5\n",
-                  "'vdrive events 1.1' shows the cause of the fault; 'reset 1.1' in front"},
+                  "'vdrive events 1.1' shows the cause of the fault; 'reset 1.1' above"},
         AdviceRow{"refused", "store 1.1\n",  // the bench has no state directory
-                  "change what the line asks for, or write 'refused 0x08000020' in front"},
+                  "change the command, or write 'refused 0x08000020' in front"},
         AdviceRow{"not_refused", "enable 1.1\nrefused 0x08000022 move 1.1 5\n",
                   "remove 'refused' from this line"},
         AdviceRow{"moving",
                   "enable 1.1\nmove 1.1 100000 --velocity 1000 --no-wait\nexpect 1.1 position 9\n",
                   "the axis is moving: write 'wait 1.1 target_reached'"},
         AdviceRow{"too_slow", "enable 1.1\nmove 1.1 100000 --velocity 100 --timeout 1\n",
-                  "the axis is moving: give this line more time with --timeout"},
+                  "the axis is moving: allow more time with --timeout"},
         AdviceRow{"still", "enable 1.1\nwait 1.1 position 5 --timeout 10ms\n",
-                  "the axis stands: find what it waits for"},
+                  "the axis is at standstill: its statusword shows"},
         AdviceRow{"of_the_axes_before", "enable 1.1\nrate 0.5\n", ""}),
     [](const auto& row) {
       return row.param.name;

@@ -134,7 +134,7 @@ TEST(ScenarioFile, NamesAHundredMistakesAtMost) {
   const std::string mistakes = mistake_in(text);
   EXPECT_THAT(mistakes, HasSubstr("\ntest.scn:100: "));
   EXPECT_THAT(mistakes, Not(HasSubstr("test.scn:101: ")));
-  EXPECT_THAT(mistakes, testing::EndsWith("\nreading ended after 100 mistakes"));
+  EXPECT_THAT(mistakes, testing::EndsWith("\nstopped after 100 mistakes"));
 }
 
 TEST(ScenarioFile, AcceptsAnyObjectWhereARefusalIsExpected) {
@@ -257,11 +257,10 @@ std::string repeated(const std::string& text, std::size_t count) {
 
 TEST(ScenarioLimit, OfCommandsIsAtLeastOneThatIsNotFinal) {
   for (const std::string text : {"", "# a title\n\n", "let a = 1\n", "finally\n"}) {
-    EXPECT_EQ(mistake_in(text),
-              "test.scn: has no line that tests anything: write at least one command");
+    EXPECT_EQ(mistake_in(text), "test.scn: has no command: write at least one");
   }
   EXPECT_EQ(mistake_in("finally\nwait 1s\n"),
-            "test.scn: has no line that tests anything: write at least one command above finally");
+            "test.scn: has no command: write at least one above finally");
 }
 
 TEST(ScenarioLimit, OfALineIsTheLongestLineThatIsRead) {
@@ -282,9 +281,9 @@ TEST(ScenarioLimit, OfTheWordsOfALineHoldsForEachCommand) {
 
 TEST(ScenarioLimit, OfARefusalIsOneInALine) {
   EXPECT_THAT(mistake_in("wait 1s\nrefused 5 refused 6 list\n"),
-              StartsWith("test.scn:2: refused stands in refused"));
+              StartsWith("test.scn:2: 'refused' cannot be nested"));
   EXPECT_THAT(mistake_in(repeated("refused 5 ", 1'500) + "list\n"),
-              StartsWith("test.scn:1: refused stands in refused"));
+              StartsWith("test.scn:1: 'refused' cannot be nested"));
 }
 
 TEST(ScenarioLimit, OfALineHoldsWithTheValuesOfItsVariables) {

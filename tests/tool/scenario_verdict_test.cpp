@@ -49,7 +49,7 @@ TEST(ScenarioVerdict, OfAFileWhoseLinesWereNotAllCarriedOutIsNoPass) {
 
     EXPECT_EQ(sut.code, 1);
     ASSERT_EQ(sut.messages.size(), 1U);
-    EXPECT_THAT(sut.messages.front(), testing::HasSubstr("lift.scn: has other lines than when it"));
+    EXPECT_THAT(sut.messages.front(), testing::HasSubstr("lift.scn: has changed since it"));
     EXPECT_TRUE(sut.suite.cases.back().error) << "in the report, too";
   }
 }
@@ -107,7 +107,7 @@ TEST(ScenarioVerdict, KeepsTheEndOfWhatAStreamPrinted) {
       verdict_of(scenario_of_two_lines(),
                  {.code = 0, .output = output + R"({"line":2,"outcome":"ok"})", .errors = ""});
   EXPECT_THAT(sut.suite.cases[0].output,
-              testing::AllOf(testing::StartsWith("(2 lines left out)\nsample 2\n"),
+              testing::AllOf(testing::StartsWith("(2 lines omitted)\nsample 2\n"),
                              testing::EndsWith("sample 101\n")));
 }
 

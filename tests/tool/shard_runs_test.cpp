@@ -127,7 +127,7 @@ TEST_F(Shards, WithoutAReportAreNamedAndWantToBeRepeated) {
   const Finished finished = merge({reports().string(), "--json"});
   EXPECT_EQ(finished.code, 6);
   EXPECT_THAT(finished.errors, AllOf(HasSubstr("reports/2.xml: is empty"),
-                                     HasSubstr("reports/4.xml: is cut, or no XML, at line "),
+                                     HasSubstr("reports/4.xml: is truncated or not XML, at line "),
                                      HasSubstr("vdrive: no report of shard 2, 3, 4 of 4\n")));
   EXPECT_EQ(Json::parse(finished.output),
             Json::parse(R"({"shards":4,"missing":[2,3,4],"files":5,"passed":2})"));
@@ -171,10 +171,9 @@ TEST_F(Shards, WhoseReportsAreNotOfOneRunAreRefused) {
   ASSERT_EQ(run(2, 2).code, 0);
   const Finished finished = merge();
   EXPECT_EQ(finished.code, 2);
-  EXPECT_THAT(
-      finished.errors,
-      HasSubstr("a.scn: is in the reports of shard 1 and shard 2: they were dealt different "
-                "files"));
+  EXPECT_THAT(finished.errors,
+              HasSubstr("a.scn: is in the reports of shard 1 and shard 2: the shards were "
+                        "given different files"));
   EXPECT_THAT(merged(), HasSubstr("errors=\"1\""));
 }
 
@@ -199,7 +198,7 @@ TEST_F(Shards, AreNotMergedOfWhatIsNone) {
             0);
   const Finished finished = merge({tests().string()});
   EXPECT_EQ(finished.code, 2);
-  EXPECT_THAT(finished.errors, HasSubstr("a.xml: is of no shard: it was made without --shard"));
+  EXPECT_THAT(finished.errors, HasSubstr("a.xml: does not belong to a shard"));
   for (const char* const option : {"--shard=1/2", "--jobs=2", "--set=a=1", "--over=local"}) {
     EXPECT_THAT(merge({tests().string(), option}).errors, HasSubstr("--merge runs nothing: "));
   }

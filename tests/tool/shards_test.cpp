@@ -202,8 +202,8 @@ TEST(Junit, CutAnywhereIsNamedSo) {
     EXPECT_NE(mistake_of_report(xml.substr(0, size)), kAccepted) << size;
   }
   EXPECT_THAT(mistake_of_report(xml.substr(0, xml.size() / 2)),
-              HasSubstr("is cut, or no XML, at line "));
-  EXPECT_EQ(mistake_of_report(""), "is empty: its run was ended before it wrote it");
+              HasSubstr("is truncated or not XML, at line "));
+  EXPECT_EQ(mistake_of_report(""), "is empty: its run ended before it was written");
   EXPECT_THAT(mistake_of_report("<testsuite name=\"a\"/>"), HasSubstr("no element testsuites"));
 }
 

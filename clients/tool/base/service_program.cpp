@@ -17,7 +17,7 @@ std::string find_service(const std::string& chosen) {
     return std::filesystem::absolute(chosen).string();
   }
   if (auto found = process::find_service()) return *found;
-  throw UsageError("there is no vdrived beside this program or in PATH: give --service FILE");
+  throw UsageError("there is no vdrived next to this program or in PATH: give --service FILE");
 }
 
 }  // namespace vdrive::tool

@@ -32,7 +32,7 @@ class Mistakes {
     if (is_full()) return;
     const bool is_told = ++count_ <= kMost;
     text_ += (text_.empty() ? "" : "\n") +
-             (is_told ? mistake : "reading ended after " + std::to_string(kMost) + " mistakes");
+             (is_told ? mistake : "stopped after " + std::to_string(kMost) + " mistakes");
   }
 
   /// @return whether further mistakes are dropped.

@@ -33,7 +33,8 @@ struct BenchCommand {
 extern const CommandRow kBench = row_of<BenchCommand>(
     {.name = "bench",
      .group = CommandGroup::machine,
-     .summary = "Measure in a minute how many axes this machine holds, and how late its ticks are",
+     .summary =
+         "Measure in a minute how many axes this machine can run, and how late its ticks are",
      .example = "bench --json",
      .deepest = Place::command_line});
 

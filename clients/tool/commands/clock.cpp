@@ -25,14 +25,13 @@ void StepCommand::declare(Arguments& arguments) {
     return parse_number(text, "number of ticks", kMostTicks);
   });
   arguments.bench(bench);
-  arguments.option(
-      "--steppers", "N", steppers,
-      "Join the clock for this step: time stands until N programs, including this one, "
-      "have joined; default: step alone",
-      [](const std::string& text) {
-        return static_cast<std::uint32_t>(
-            parse_number(text, "number of steppers", client::StepClock::kMostSteppers));
-      });
+  arguments.option("--steppers", "N", steppers,
+                   "Join the clock for this step: time stands still until N programs, including "
+                   "this one, have joined; default: step alone",
+                   [](const std::string& text) {
+                     return static_cast<std::uint32_t>(parse_number(
+                         text, "number of steppers", client::StepClock::kMostSteppers));
+                   });
 }
 
 /// @return the tick reached.

@@ -31,7 +31,7 @@ std::string contents_text(const std::string& file, const recording::Contents& co
   std::string text = "vdrive: wrote " + counted(contents.samples, "sample", "samples") + ", " +
                      counted(contents.rows, "row", "rows") + " to " + in_quotes(file);
   if (contents.events + contents.parameters != 0) {
-    text += "; left out " + counted(contents.events, "event", "events") + " and " +
+    text += "; omitted " + counted(contents.events, "event", "events") + " and " +
             counted(contents.parameters, "set of parameters", "sets of parameters");
   }
   return text;
@@ -76,7 +76,7 @@ void ConvertCommand::declare(Arguments& arguments) {
     throw UsageError(in_quotes(from) + " and " + in_quotes(to) + " have the same format");
   });
   arguments.option("--period", "T", period,
-                   "Drive time of a tick, where FROM has no such time; default: 1ms",
+                   "Period of a tick, if FROM does not contain it; default: 1ms",
                    [this](const std::string& text) {
                      return parse_period(text, from);
                    });

@@ -294,7 +294,8 @@ void check_node_format(const DictionaryCommand& command, bool is_json) {
     throw UsageError("'" + option + "' is in English, so it takes no --language");
   }
   if (is_json && command.format == TableFormat::eds) {
-    throw UsageError("'" + option + "' is no JSON; 'vdrive dictionary --format node-json' is");
+    throw UsageError("'" + option +
+                     "' is not available as JSON: use 'vdrive dictionary --format node-json'");
   }
 }
 

@@ -71,7 +71,7 @@ struct DoctorCommand {
 extern const CommandRow kDoctor =
     row_of<DoctorCommand>({.name = "doctor",
                            .group = CommandGroup::machine,
-                           .summary = "Check this machine and its network, and show what to change",
+                           .summary = "Check this machine and its network, and suggest changes",
                            .example = "doctor --interface 10.0.0.1",
                            .deepest = Place::command_line});
 

@@ -115,7 +115,7 @@ client::Outcome ExpectCommand::run(CommandContext& context) const {
 extern const CommandRow kExpect =
     row_of<ExpectCommand>({.name = "expect",
                            .group = CommandGroup::scenarios,
-                           .summary = "Compare an object; exit code 1 when it is another value",
+                           .summary = "Compare an object with a value; exit code 1 if they differ",
                            .example = "expect 1.1 position 1000 --tolerance 1\n"
                                       "  vdrive expect 1.1 torque '<' 500 --throughout 2s"});
 

@@ -329,7 +329,7 @@ struct FaultsCommand {
 extern const CommandRow kFaults =
     row_of<FaultsCommand>({.name = "faults",
                            .group = CommandGroup::bench,
-                           .summary = "Show the last faults, and what led to one of them",
+                           .summary = "Show the latest faults and what led to one of them",
                            .example = "faults\n  vdrive faults show 3 --to fault.mcap",
                            .deepest = Place::shell});
 

@@ -92,7 +92,7 @@ canopen::DataSheet read_sheet(const std::string& name) {
   try {
     return canopen::read_data_sheet(read_whole("--eds", name));
   } catch (const canopen::DataSheetError& error) {
-    throw UsageError("--eds: " + in_quotes(name) + " is no data sheet: " + error.what());
+    throw UsageError("--eds: " + in_quotes(name) + " is not a data sheet: " + error.what());
   }
 }
 
@@ -112,7 +112,7 @@ std::uint8_t parse_node(const std::string& text) {
   if (number && *number >= canopen::kLowestNodeId && *number <= canopen::kHighestNodeId) {
     return *number;
   }
-  throw UsageError("--node: " + in_quotes(text) + " is no node id: write 1 to 127");
+  throw UsageError("--node: " + in_quotes(text) + " is not a node-ID: write 1 to 127");
 }
 
 std::string node_name(std::uint32_t axis) {
@@ -196,16 +196,15 @@ void JudgeCommand::declare(Arguments& arguments) {
   arguments.option("--node", "ID", nodes,
                    "Of a log: judge this node only, 1 to 127; may be repeated");
   arguments.option("--exceptions", "FILE", exceptions,
-                   "YAML list of what the master does on purpose: rule, axis, reason");
+                   "YAML list of intended deviations of the master: rule, axis, reason");
   declare_fail_on(arguments, fail_on);
-  arguments.option("--junit", "FILE", junit, "Write a JUnit report, a case for each rule");
+  arguments.option("--junit", "FILE", junit, "Write a JUnit report with a case for each rule");
   arguments.option("--sarif", "FILE", sarif, "Write a SARIF 2.1.0 report");
   arguments.option("--html", "FILE", html,
                    "Write a page with the table and a picture around each finding; it needs no "
                    "network");
-  arguments.flag(
-      "--live", is_live,
-      "LOG is an axis or the number of a bench that runs: judge what happens until Ctrl-C");
+  arguments.flag("--live", is_live,
+                 "LOG is an axis or the number of a running bench: judge live until Ctrl-C");
   arguments.option("--for", "T", duration, "With --live: end after this drive time",
                    parse_duration);
   arguments.flag("--rules", lists_rules, "List the rules instead, as a page (Markdown)");
@@ -215,9 +214,9 @@ void JudgeCommand::declare(Arguments& arguments) {
     }
     for (const std::string& node : nodes) static_cast<void>(parse_node(node));
     if (is_live && (!sheet.empty() || !nodes.empty())) {
-      throw UsageError("--eds and --node are for logs of a bus, and --live judges a bench");
+      throw UsageError("--eds and --node are for bus logs, but --live judges a bench");
     }
-    if (duration && !is_live) throw UsageError("--for is for --live");
+    if (duration && !is_live) throw UsageError("--for needs --live");
   });
 }
 
@@ -232,8 +231,8 @@ Judged judge_log(const JudgeCommand& command, std::istream& log) {
   judge::LogVerdict result = judge::judge_bus_log(log, settings);
   if (!result.is_readable()) {
     throw std::runtime_error(
-        "it has no CAN frame; record a log with candump -L, or give an .asc file or the journal of "
-        "a bench");
+        "it contains no CAN frames; record a log with candump -L, or give an .asc file or the "
+        "journal of a bench");
   }
   return {
       .verdict = std::move(result.verdict), .notes = std::move(result.notes), .name_of = node_name};
@@ -241,7 +240,7 @@ Judged judge_log(const JudgeCommand& command, std::istream& log) {
 
 Judged judge_bench(const JudgeCommand& command, std::istream& journal) {
   if (!command.sheet.empty() || !command.nodes.empty()) {
-    throw UsageError("--eds and --node are for logs of a bus, and " + in_quotes(command.log) +
+    throw UsageError("--eds and --node are for bus logs, but " + in_quotes(command.log) +
                      " is the journal of a bench");
   }
   judge::JournalVerdict result = judge::judge_journal(journal);
@@ -265,8 +264,8 @@ class LiveRun {
     if (!axes) return axes.outcome();
     const std::uint32_t bench = axes->front().id().bench;
     if (axes->back().id().bench != bench) {
-      throw UsageError("--live judges the axes of one bench, and " + in_quotes(command_.log) +
-                       " has those of several");
+      throw UsageError("--live judges the axes of one bench, but " + in_quotes(command_.log) +
+                       " selects axes of several");
     }
     name_of_ = judge::axes_of_bench(bench);
     auto judge = judge::LiveJudge::create(session, bench, std::move(*axes));
@@ -373,7 +372,7 @@ ExitCode JudgeCommand::start(const Program& program) const {
 extern const CommandRow kJudge = row_of<JudgeCommand>(
     {.name = "judge",
      .group = CommandGroup::recordings,
-     .summary = "Say what a master did wrong: a log, a journal or a bench that runs",
+     .summary = "Report the mistakes of a master from a log, a journal or a running bench",
      .example = "judge field.candump --node 5 --html findings.html\n"
                 "  vdrive judge run.journal --fail-on warning\n"
                 "  vdrive judge 1.1 --live\n"

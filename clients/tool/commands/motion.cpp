@@ -242,7 +242,7 @@ Outcome JogCommand::run(CommandContext& context) const {
       run_at.options(context, *found, client::Until::done));
   if (jogged && context.session.is_interrupted()) {
     context.output.terminal.complain("vdrive: interrupted; axis " +
-                                     context.axes.label_of(found->id()) + " stands");
+                                     context.axes.label_of(found->id()) + " is at standstill");
   }
   return report_axis(context, *found, {.command = "jog", .outcome = jogged, .has_arrived = true});
 }

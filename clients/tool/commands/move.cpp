@@ -48,7 +48,8 @@ void MoveCommand::declare(Arguments& arguments) {
                    parse_ramp);
   arguments.option("--deceleration", "D", deceleration, "6084h [UU/s2, or 900deg/s2] for this move",
                    parse_ramp);
-  arguments.flag("--queue", queue, "Start after the present move, not at once (bit 5 = 0)");
+  arguments.flag("--queue", queue,
+                 "Queue after the present move instead of replacing it (bit 5 = 0)");
   arguments.no_wait(until, "Return when the drive has accepted the set-point");
   arguments.flag("--stop-on-interrupt", stop_on_interrupt,
                  "Halt the axis when Ctrl-C ends the wait; it continues otherwise");

@@ -39,8 +39,8 @@ void note_limits(const CommandContext& context, const client::Axis& axis, Object
   if (values->objects[0].value == 0) {
     if (written == limits[0]) return;
     context.output.terminal.complain(
-        "vdrive: the software limits are off: app_position_limit_switch (3535h) = 1 switches them "
-        "on");
+        "vdrive: the software limits are disabled: set app_position_limit_switch (3535h) = 1 to "
+        "enable them");
   } else if (lower >= upper) {
     context.output.terminal.complain(
         "vdrive: the software limits are not in force: user_position_lower_limit (607Dh:1) = " +

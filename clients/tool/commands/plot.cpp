@@ -189,7 +189,7 @@ client::Result<AxisSamples> edges_of(const DrawnAxis& axis, const PlotCommand& c
   const std::uint64_t begin = command.from ? (nanoseconds(*command.from) + period - 1) / period : 0;
   const std::uint64_t end = command.to ? nanoseconds(*command.to) / period : ticks;
   if (begin > ticks) {
-    return Outcome::failed("--from " + seconds_text(*command.from) + " is behind the end of " +
+    return Outcome::failed("--from " + seconds_text(*command.from) + " is after the end of " +
                            in_quotes(file) + ": axis " + both_names(axis) + " has " +
                            seconds_text(axis.period * static_cast<std::int64_t>(ticks)));
   }
@@ -347,15 +347,15 @@ void check_source(const PlotCommand& command) {
   if (is_file(command)) {
     static_cast<void>(format_of_file(command.source));
     if (!command.duration) return;
-    throw UsageError("--for is for an axis, which is recorded first; " + in_quotes(command.source) +
-                     " is a recording: --from and --to choose a part");
+    throw UsageError("--for is for recording an axis; " + in_quotes(command.source) +
+                     " is a recording: select a part with --from and --to");
   }
   if (!command.duration) {
     throw UsageError(in_quotes(command.source) +
-                     " is no recording, .csv, .jsonl or .mcap; an axis is recorded first: say for "
-                     "how long, such as --for 2s");
+                     " is not a recording (.csv, .jsonl or .mcap); to record an axis, give --for, "
+                     "such as --for 2s");
   }
-  if (command.duration->count() <= 0) throw UsageError("--for has to be above 0");
+  if (command.duration->count() <= 0) throw UsageError("--for must be above 0");
   if (!command.shown_axis.empty()) {
     throw UsageError("--axis is for a recording; " + in_quotes(command.source) + " is an axis");
   }
@@ -374,7 +374,7 @@ void check_picture(const PlotCommand& command) {
                      " or more, or fewer --columns");
   }
   if (command.from && command.to && *command.from >= *command.to) {
-    throw UsageError("--from " + seconds_text(*command.from) + " has to be below --to " +
+    throw UsageError("--from " + seconds_text(*command.from) + " must be before --to " +
                      seconds_text(*command.to));
   }
 }
@@ -382,16 +382,15 @@ void check_picture(const PlotCommand& command) {
 std::uint32_t parse_side(const std::string& text, const std::string& option, std::uint32_t least) {
   const auto side = vdrive::parse_digits<std::uint32_t>(text);
   if (side && *side >= least && *side <= kLargestPlotSide) return *side;
-  throw UsageError(option + ": " + in_quotes(text) + " is no size: write " + std::to_string(least) +
-                   " to " + std::to_string(kLargestPlotSide) + " pixels");
+  throw UsageError(option + ": " + in_quotes(text) + " is not a size: write " +
+                   std::to_string(least) + " to " + std::to_string(kLargestPlotSide) + " pixels");
 }
 
 void PlotCommand::declare(Arguments& arguments) {
   columns = usual_plot_columns();
   arguments
-      .positional(
-          "SOURCE", source,
-          "The recording: .csv, .jsonl or .mcap; or an axis, which is recorded --for a time")
+      .positional("SOURCE", source,
+                  "A recording (.csv, .jsonl or .mcap), or an axis to record, with --for")
       .required()
       .completed_by(complete_axis);
   arguments.option("-o,--output", "FILE", picture, "The picture: .svg, or - for standard output")
@@ -400,8 +399,8 @@ void PlotCommand::declare(Arguments& arguments) {
                    "Draw this axis of the recording; default: the only one");
   arguments
       .option("--columns", "NAMES", columns,
-              "Draw these columns, with commas between them; default: position and velocity with "
-              "their demand, torque, following error",
+              "Draw these columns, separated by commas; default: position and velocity with their "
+              "demand, torque, following error",
               parse_plot_columns)
       .completed_by(complete_one_of(names_of_plot_columns()));
   arguments.option("--from", "T", from, "Begin at this drive time of the recording",
@@ -409,7 +408,7 @@ void PlotCommand::declare(Arguments& arguments) {
   arguments.option("--to", "T", to, "End at this drive time of the recording", parse_duration);
   arguments.option("--for", "T", duration, "Record the axis for this drive time", parse_duration);
   arguments.option("--period", "T", period,
-                   "Drive time of a tick, where FILE has no such time; default: 1ms",
+                   "Period of a tick, if FILE does not contain it; default: 1ms",
                    [this](const std::string& text) {
                      return parse_period(text, source);
                    });

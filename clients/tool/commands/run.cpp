@@ -19,7 +19,7 @@ namespace {
 
 constexpr std::string_view kScenarioHelp =
     R"(A scenario has one command per line, without 'vdrive'. # starts a comment.
-Beside the commands of the command line there are:
+In addition to the commands of the command line:
   refused CODE COMMAND...    passes if the command is refused with this code
   let NAME = VALUE           ${NAME} stands for VALUE below; --set gives another value
   finally                    lines below run last, also after a failure and Ctrl-C
@@ -41,18 +41,17 @@ void RunCommand::declare(Arguments& arguments) {
   arguments.flag("--live", live, "Show the axes while time passes, also when piped");
   if (arguments.place() != Place::command_line) return;  // a shell has its own session
   arguments.flag("--private", is_private,
-                 "Each file on a new bench in lock-step that only this program reaches, instead of "
-                 "a bench that runs already; each of several files in a process of its own");
+                 "Run each file on a new lock-step bench that only this program can reach, instead "
+                 "of a running bench; each of several files in its own process");
   benches.declare(arguments);
   benches.declare_journal(arguments);
   arguments.then([this] {
     if (!is_private && !benches.arguments().empty()) {
       throw UsageError(benches.arguments().front() +
-                       " is for the benches of --private; without it, run uses one that runs "
-                       "already");
+                       " needs --private: without it, run uses a bench that is already running");
     }
     if (!benches.journal.empty() && scenarios.files.size() != 1) {
-      throw UsageError("--journal is for one file: each of several has a bench of its own");
+      throw UsageError("--journal needs exactly one file: with several, each has its own bench");
     }
   });
 }

@@ -271,8 +271,8 @@ void TestCommand::declare(Arguments& arguments) {
                  "RULE because REASON' in it is an exception");
   declare_fail_on(arguments, fail_on, &names_fail_on);
   arguments.flag("--merge", merges,
-                 "Run nothing: each FILE is the report of a shard, or a directory of them; "
-                 "--junit writes them as one");
+                 "Merge reports instead of running: each FILE is the report of a shard, or a "
+                 "directory of reports; --junit writes them as one");
   arguments.then([this] {
     if (names_fail_on && !judges) throw UsageError("--fail-on is for --judge");
     if (merges && (shard || jobs != 0 || judges || !scenarios.settings.empty() ||

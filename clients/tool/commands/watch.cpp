@@ -49,11 +49,11 @@ std::string why_it_stands(const client::BenchInfo& bench) {
   const std::string name = "bench " + std::to_string(bench.number);
   if (bench.clock_mode == client::ClockMode::lockstep) {
     return name +
-           " is in lock-step, where the clock stands until a program steps it: let another program "
-           "step it ('vdrive step'), or show the present state with 'watch --count 1'";
+           " is in lock-step: its time advances only when a program steps it; step it with 'vdrive "
+           "step', or show the present state with 'watch --count 1'";
   }
   if (bench.clock_mode == client::ClockMode::realtime && bench.rate == 0.0) {
-    return name + " is paused: 'rate 1' lets its time pass";
+    return name + " is paused: 'vdrive rate 1' continues it";
   }
   return name + " sends no status stream";
 }

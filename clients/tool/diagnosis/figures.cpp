@@ -129,7 +129,8 @@ std::vector<std::string> measurement_lines(const Measurement& measurement) {
       "steps of one tick, 64 axes: p50 " + rounded(steps.median) + " us, p99 " +
           rounded(steps.p99) + " us, " + rounded(steps.per_second) + " a second",
       "tick of a moving axis and its status: " + rounded(measurement.tick_of_an_axis) +
-          " ns; one core holds " + std::to_string(measurement.axes_of_a_core()) + " axes at 1 kHz",
+          " ns; one core can run " + std::to_string(measurement.axes_of_a_core()) +
+          " axes at 1 kHz",
       "status of all axes at 1 kHz, one client"};
   for (const StatusStreamFigures& stream : measurement.streams) {
     const auto ticks =
@@ -142,7 +143,7 @@ std::vector<std::string> measurement_lines(const Measurement& measurement) {
   const std::size_t held = measurement.axes_with_status();
   lines.push_back(held == 0
                       ? std::string("this machine is too busy even for the smallest number of axes")
-                      : "this machine holds " + std::to_string(held) +
+                      : "this machine can run " + std::to_string(held) +
                             " axes with every status at 1 kHz");
   return lines;
 }

@@ -202,8 +202,8 @@ Finding check_load(const HostReadings& readings) {
   if (*readings.load > kHighLoadOfCore * readings.cores) {
     finding.severity = Severity::hint;
     finding.advice =
-        "the machine is busy: searches take longer, ticks come late and the watchdog may find "
-        "owners silent: end other programs, raise --timeout and watchdog.timeout_ms, or use "
+        "the machine is busy: searches take longer, ticks are late and the watchdog may consider "
+        "owners lost; end other programs, raise --timeout and watchdog.timeout_ms, or use "
         "lock-step";
   }
   return finding;

@@ -74,7 +74,7 @@ void AxisActionCommand::declare(Arguments& arguments) {
   }
   if (action->together == client::EachCommand::enable) {
     arguments.flag("--keep-target", keep_target,
-                   "Leave 60FFh, 6042h and 6071h as they are: the axis may start to move at once");
+                   "Keep 60FFh, 6042h and 6071h unchanged: the axis may start to move immediately");
   }
   arguments.take_over(take_over);
   arguments.then([this] {

@@ -54,8 +54,8 @@ std::string advice_of_refusal(const FailedCommand& failed) {
   if (failed.outcome.code() == wire_code(AbortCode::refused_local_control)) {
     return "another session controls the axis: end it, or add --take-over to this line";
   }
-  return "change what the line asks for, or write 'refused " + hex(failed.outcome.code(), 8) +
-         "' in front of it where the refusal is meant";
+  return "change the command, or write 'refused " + hex(failed.outcome.code(), 8) +
+         "' in front of it if the refusal is intended";
 }
 
 bool is_moving(const client::AxisSnapshot* axis) {
@@ -64,39 +64,37 @@ bool is_moving(const client::AxisSnapshot* axis) {
 
 std::string advice_of_expectation(const FailedCommand& failed) {
   if ((*failed.found)["expected"].is_string()) {
-    return "remove 'refused' from this line, or write the code of the refusal that is meant";
+    return "remove 'refused' from this line, or correct its code";
   }
   if (is_moving(failed.axis)) {
     return "the axis is moving: write 'wait " + failed.label +
-           " target_reached' in front of this line, or add --within to it";
+           " target_reached' above this line, or add --within to it";
   }
-  return "where the value comes later add --within, where it may be near add --tolerance to this "
-         "line; else look at what the lines above it command";
+  return "add --within if the value is reached later, or --tolerance if it is only approximate; "
+         "otherwise check the commands above this line";
 }
 
 /// @param first the command that ends the fault
 std::string advice_of_fault(const FailedCommand& failed, std::string_view first) {
   const std::string cause =
-      failed.is_private ? "the line of the axis has the cause of the fault"
+      failed.is_private ? "the line of the axis shows the cause of the fault"
                         : "'vdrive events " + failed.label + "' shows the cause of the fault";
-  return cause + "; '" + std::string(first) + " " + failed.label +
-         "' in front of this line ends it";
+  return cause + "; '" + std::string(first) + " " + failed.label + "' above this line ends it";
 }
 
 std::string advice_of_time_out(const FailedCommand& failed) {
-  return is_moving(failed.axis)
-             ? "the axis is moving: give this line more time with --timeout"
-             : "the axis stands: find what it waits for in its statusword, or give this line more "
-               "time with --timeout";
+  return is_moving(failed.axis) ? "the axis is moving: allow more time with --timeout"
+                                : "the axis is at standstill: its statusword shows what it waits "
+                                  "for; or allow more time with --timeout";
 }
 
 std::string advice_of_private(const Outcome& outcome) {
   switch (outcome.kind()) {
     case OutcomeKind::lost:
-      return "the bench has ended: 'vdrive run' without --private carries the file out on a bench "
-             "that runs already";
+      return "the bench has ended: 'vdrive run' without --private runs the file on a bench that is "
+             "already running";
     case OutcomeKind::not_found:
-      return "the axes are those of --config, without it those of the demo bench";
+      return "the bench has the axes of --config, or those of the demo bench without it";
     default:
       return "'vdrive run --private --live' shows the axes while the file runs";
   }
@@ -105,10 +103,10 @@ std::string advice_of_private(const Outcome& outcome) {
 std::string advice_of_shared(const Outcome& outcome) {
   switch (outcome.kind()) {
     case OutcomeKind::lost:
-      return "'vdrive events' shows who took control or what ended; 'vdrive run --private' gives "
-             "the file a bench that no other program reaches";
+      return "'vdrive events' shows who took control or which bench ended; 'vdrive run --private' "
+             "runs the file on a bench that no other program can reach";
     case OutcomeKind::not_found:
-      return "'vdrive list' shows the benches and axes that are there";
+      return "'vdrive list' shows the available benches and axes";
     default:
       return "'vdrive events' shows what led to it; 'vdrive run --live' shows the axes while the "
              "file runs";
@@ -123,7 +121,7 @@ std::string advice_of(const FailedCommand& failed) {
   const std::string_view first = command_before_motion(state);
   if (is_fault(state)) return advice_of_fault(failed, first);
   if (is_refused_by_state && !first.empty()) {
-    return "write '" + std::string(first) + " " + failed.label + "' in front of this line";
+    return "write '" + std::string(first) + " " + failed.label + "' above this line";
   }
   if (is_other_value(failed.outcome, failed.found)) return advice_of_expectation(failed);
   switch (failed.outcome.kind()) {

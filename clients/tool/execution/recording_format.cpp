@@ -14,10 +14,11 @@ recording::Format format_of_file(const std::string& file) {
 
 Duration parse_period(const std::string& text, const std::string& file) {
   if (format_of_file(file) == recording::Format::mcap) {
-    throw UsageError("--period is for recordings of text; a recording in MCAP has this time");
+    throw UsageError(
+        "--period applies only to .csv and .jsonl; an MCAP recording contains its period");
   }
   const Duration period = parse_duration(text);
-  if (period.count() <= 0) throw UsageError("--period has to be above 0");
+  if (period.count() <= 0) throw UsageError("--period must be above 0");
   return period;
 }
 

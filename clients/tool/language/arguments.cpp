@@ -100,7 +100,7 @@ void Arguments::bench(std::optional<std::uint32_t>& bench) {
 
 void Arguments::service(std::string& file) {
   option("--service", "FILE", file,
-         "The program vdrived; default: beside this program, else in PATH");
+         "The program vdrived; default: next to this program, otherwise from PATH");
 }
 
 void Arguments::take_over(bool& is_given) {

@@ -442,7 +442,7 @@ ScenarioCommand parse_refused(CommandTable commands, const std::vector<std::stri
   if (words.size() < 3) throw UsageError("refused needs a code and a command");
   const auto code = static_cast<std::uint32_t>(parse_number(words[1], "code", kHighestCode));
   if (words[2] == "refused") {
-    throw UsageError("refused stands in refused: a line has at most one of them");
+    throw UsageError("'refused' cannot be nested: a line has at most one");
   }
   ScenarioCommand inner = parse_scenario_command(commands, {words.begin() + 2, words.end()});
   inner.command.refusal = code;

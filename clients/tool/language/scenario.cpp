@@ -118,7 +118,7 @@ class ScenarioReader {
     mistakes_.throw_if_any();
     if (std::ranges::all_of(scenario_.lines, &ScenarioLine::is_final)) {
       throw UsageError(escaped(scenario_.file, kShownOfMessage) +
-                       ": has no line that tests anything: write at least one command" +
+                       ": has no command: write at least one" +
                        (scenario_.lines.empty() ? "" : " above finally"));
     }
     scenario_.variables = variables_.names();

@@ -189,7 +189,7 @@ std::string event_text(const Event& event, const SessionNameOf& name_of) {
   std::string line = std::to_string(event.tick) + "  " + who + "  " +
                      with_session_names(escaped(text, kShownOfMessage), event.bench, name_of);
   if (event.suppressed != 0) {
-    line += " (" + counted(event.suppressed, "equal event", "equal events") + " left out)";
+    line += " (" + counted(event.suppressed, "equal event", "equal events") + " suppressed)";
   }
   return line;
 }
@@ -208,7 +208,7 @@ client::Outcome show_events(client::Session& session, const EventChoice& choice,
   });
   if (dropped > 0) {
     terminal.complain("vdrive: " + counted(dropped, "event was", "events were") +
-                      " left out: they came faster than they were printed");
+                      " dropped: they arrived faster than they could be printed");
   }
   return {};
 }

@@ -183,14 +183,14 @@ std::optional<Shard> read_shard(const Element& root) {
 JunitContent read_junit(const std::string& xml) {
   tinyxml2::XMLDocument document;
   if (document.Parse(xml.data(), xml.size()) == tinyxml2::XML_ERROR_EMPTY_DOCUMENT) {
-    throw UsageError("is empty: its run was ended before it wrote it");
+    throw UsageError("is empty: its run ended before it was written");
   }
   if (document.Error()) {
-    throw UsageError("is cut, or no XML, at line " + std::to_string(document.ErrorLineNum()));
+    throw UsageError("is truncated or not XML, at line " + std::to_string(document.ErrorLineNum()));
   }
   const Element* const root = document.RootElement();
   if (root == nullptr || text_or_empty(root->Name()) != "testsuites") {
-    throw UsageError("is no JUnit report: it has no element testsuites");
+    throw UsageError("is not a JUnit report: it has no element testsuites");
   }
   JunitContent content{.suites = {}, .shard = read_shard(*root)};
   for (const Element* suite = root->FirstChildElement("testsuite"); suite != nullptr;

@@ -48,8 +48,8 @@ void check_network(const PrivateBenches& benches, const GlobalOptions& options) 
   for (const std::string& name : options.network_given) {
     if (name != "--security") {
       throw UsageError(name +
-                       " is for a bench that runs already, which 'vdrive run FILE' uses; "
-                       "only this program reaches a private bench: leave it out");
+                       " is for a running bench, which 'vdrive run FILE' uses; a private bench "
+                       "takes no network options: leave it out");
     }
     if (benches.wire == Wire::local) {
       throw UsageError(name + " is for a bench over DDS: add --over dds");
@@ -95,9 +95,9 @@ void PrivateBenches::declare(Arguments& arguments) {
   });
   arguments.option("--config", "FILE", configuration,
                    "Configuration of the benches; default: the demo bench");
-  arguments.option("--service", "FILE", service,
-                   "With --over dds: the program vdrived; default: beside this program, else in "
-                   "PATH");
+  arguments.option(
+      "--service", "FILE", service,
+      "With --over dds: the program vdrived; default: next to this program, otherwise from PATH");
 }
 
 void PrivateBenches::declare_journal(Arguments& arguments) {

@@ -75,7 +75,7 @@ LineOutput no_output() {
 std::string text_of(const LineOutput& output) {
   std::string text;
   if (output.dropped() != 0)
-    text = "(" + counted(output.dropped(), "line", "lines") + " left out)\n";
+    text = "(" + counted(output.dropped(), "line", "lines") + " omitted)\n";
   for (const std::string& line : output.items()) text.append(line).append("\n");
   return text;
 }
@@ -180,9 +180,9 @@ ScenarioVerdict verdict_of(const Scenario& scenario, const EndedRun& run) {
   if (code == 0 && results.size() != scenario.lines.size()) {
     code = static_cast<int>(ExitCode::failed);
     messages.push_back("vdrive: " + escaped(scenario.file, kShownOfMessage) +
-                       ": has other lines than when it was read first: " +
+                       ": has changed since it was first read: " +
                        lines_text(results.size(), scenario.lines.size()) +
-                       "; a pipe can be read once, by vdrive run --private");
+                       "; a pipe can be read only once: use vdrive run --private");
   }
   if (code != 0 && results.empty()) {
     ScenarioVerdict verdict = failed_to_start(scenario, code, last_of(messages));

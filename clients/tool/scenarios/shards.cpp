@@ -53,7 +53,7 @@ std::uint64_t index_in_array(std::uint64_t task, std::size_t count) {
     throw UsageError("--shard /" + std::to_string(count) + ": the array has " +
                      counted(*tasks, "task", "tasks") + " from " + std::to_string(*first) +
                      " on (" + kTasks + "), task " + std::to_string(task) +
-                     ": write I/N where it is not the whole one");
+                     ": write I/N if only a part of the array runs");
   }
   return task - *first;
 }
@@ -93,7 +93,7 @@ std::size_t number_of(std::string_view text) {
 /// @return the text of a file. @throws UsageError without the file name
 std::string content_of(const std::string& file) {
   std::error_code error;
-  if (!std::filesystem::is_regular_file(file, error)) throw UsageError("is no file");
+  if (!std::filesystem::is_regular_file(file, error)) throw UsageError("is not a file");
   std::ifstream stream(file, std::ios::binary);
   std::string text{std::istreambuf_iterator<char>(stream), {}};
   if (!stream) throw UsageError("cannot be read: " + std::generic_category().message(errno));
@@ -159,7 +159,8 @@ class Merge {
       return;
     }
     if (!content.shard) {
-      mistakes_.note(shown_name(file) + ": is of no shard: it was made without --shard");
+      mistakes_.note(shown_name(file) +
+                     ": does not belong to a shard: it was written without --shard");
       return;
     }
     if (fits(file, *content.shard)) add_suites(*content.shard, std::move(content.suites));
@@ -214,7 +215,7 @@ class Merge {
         if (!is_new) {
           mistakes_.note(shown_name(suite.name) + ": is in the reports of shard " +
                          std::to_string(former->second) + " and shard " +
-                         std::to_string(shard.number) + ": they were dealt different files");
+                         std::to_string(shard.number) + ": the shards were given different files");
         }
       }
       merged_.suites.push_back(std::move(suite));
@@ -273,8 +274,7 @@ Shard parse_shard(const std::string& text) {
   const std::size_t number = is_of_task ? 1 : number_of(text.substr(0, slash));
   if (count == 0 || count == kNoNumber || number == kNoNumber) {
     throw UsageError("--shard: " + in_quotes(text) +
-                     " is not I/N: write such as 2/7, or /7 for the number that the job says; N is "
-                     "from 1 to " +
+                     " is not I/N, such as 2/7, or /7 to take I from the job; N is from 1 to " +
                      std::to_string(Shard::kMost));
   }
   if (number == 0 || number > count) {

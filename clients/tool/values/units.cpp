@@ -84,8 +84,8 @@ std::int16_t parse_torque(std::string_view text) {
   }
   if (!is_percent && *number != std::trunc(*number)) {
     throw UsageError(in_quotes(text) +
-                     " is a fraction: per mille of the rated torque are whole numbers; a value in "
-                     "per cent such as 1.25% is rounded to them");
+                     " is a fraction: torque is in whole per mille of the rated torque; a "
+                     "percentage such as 1.25% is rounded");
   }
   const double torque = std::round(*number * (is_percent ? kPerMilleAPercent : 1.0));
   const TypeRange range = range_of(DataType::integer16);

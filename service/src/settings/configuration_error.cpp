@@ -26,7 +26,7 @@ void Mistakes::throw_if_any() const {
   std::vector<std::string> texts = texts_;
   if (is_cut_ || texts.size() > kMost) {
     texts.resize(kMost);
-    texts.push_back("reading ended after " + std::to_string(kMost) + " mistakes");
+    texts.push_back("stopped after " + std::to_string(kMost) + " mistakes");
   }
   throw ConfigurationError(std::move(texts));
 }
