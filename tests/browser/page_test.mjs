@@ -172,7 +172,7 @@ test("Shift-click chooses every axis between two", async () => {
   const box = (address) => page.locator(`[data-address="${address}"] input`);
   await box("1.1").click();
   await box("1.3").click({ modifiers: ["Shift"] });
-  await waitForText(page.locator(".count"), /3 axes, 3 chosen/);
+  await waitForText(page.locator(".count"), /3 axes, 3 selected/);
   await box("1.3").click();
   await box("1.1").click({ modifiers: ["Shift"] });
   await waitForText(page.locator(".count"), /^3 axes$/);
@@ -575,7 +575,7 @@ test("a trigger gets every tick before it from the black box, also those that no
 
 test("a link with a signal or an axis that is not there has a clear line", async () => {
   await page.goto(`${gateway.address}#/scope?s=1.77:torque_demand;1.1:no_such_signal&g=single,1.1,no_such_signal,rising,1,0.5,&x=1`);
-  await waitForText(page.locator(".strips .problem").first(), /^There is no axis 1\.77\.$/);
+  await waitForText(page.locator(".strips .problem").first(), /^No such axis: 1\.77\.$/);
   await waitForText(page.locator(".strips .problem").nth(1), /^1\.1 has no signal no_such_signal$/);
   await waitForText(page.locator(".outcome"), /^Trigger: 1\.1 has no signal no_such_signal$/);
   await page.goto(`${gateway.address}#/axis/1.1`);
@@ -598,14 +598,14 @@ test("recordings open in the scope, a cut one up to its end, and a wrong one not
       await writeFile(join(work, `cut_${name}`), whole.subarray(0, Math.floor(whole.length * 0.7) + 3));
     }
     await open("cut_run.csv");
-    await waitForText(page.locator(".scope-view > .problem"), /^cut_run\.csv: line \d+ is incomplete: the file is cut/);
+    await waitForText(page.locator(".scope-view > .problem"), /^cut_run\.csv: line \d+ is incomplete: the file is truncated/);
     await writeFile(join(work, "notes.txt.csv"), "no recording\n1,2,3\n");
     await open("notes.txt.csv");
     await waitForText(page.locator(".outcome"), /^notes\.txt\.csv: line 1: no column axis/);
     await waitForText(command("recording_name"), /^cut_run\.csv/);
     await open("cut_run.mcap");
     // A second of it is one chunk: what is whole may have no sample.
-    await waitForText(page.locator("#app"), /cut_run\.mcap: (it ends at byte \d+, in what begins at byte \d+: the file is cut|it has no status)/);
+    await waitForText(page.locator("#app"), /cut_run\.mcap: (the file is truncated: it ends at byte \d+, within a record that begins at byte \d+|it contains no axis status)/);
     await command("close_recording").click();
     await waitForText(command("recording_name"), /^$/);
   } finally {
@@ -647,7 +647,7 @@ test("a mode has what is set for it, by name and as a number, and is set", async
   await waitForText(set("max_torque"), /^Max Torque300\.0%/);
   await command("mode").selectOption("6");
   await waitForText(set("homing_method"), /^Homing Method37: where the axis is/);
-  await waitForText(command("homing_state"), /another mode is in force/);
+  await waitForText(command("homing_state"), /a different mode is active/);
   await command("set_mode").click();
   await waitForText(command("homing_state"), /^Homing: not started, or interrupted$/);
   await command("mode").selectOption("1");
@@ -857,7 +857,7 @@ test("the judge tells what a master does wrong while its panel is open", async (
   await page.click("nav a >> nth=0");
   await page.click('[data-address="1.3"]');
   await page.locator(".findings-panel summary").click();
-  await waitForText(page.locator(".findings-panel"), /No finding yet/);
+  await waitForText(page.locator(".findings-panel"), /No findings yet/);
   // Bit 4 stays up when the second target is written: it never gets an edge.
   for (const words of [["write", "1.3", "0x6060", "1"], ["enable", "1.3"], ["write", "1.3", "0x607A", "100"], ["write", "1.3", "0x6040", "0x1F"],
     ["write", "1.3", "0x607A", "200"], ["write", "1.3", "0x6040", "0x1F"]]) {
@@ -1002,7 +1002,7 @@ test("while an axis moves the page says that it goes on without the page, and le
   assert.equal(await leavingAsks(), false);
   await page.fill("#move-target", "200000");
   await command("move").click();
-  await waitForText(page.locator(".motion"), /^Moving or pressing under the control of this page, also when it is closed: 1.1$/);
+  await waitForText(page.locator(".motion"), /^Moving or applying torque under the control of this page; this continues after the page is closed: 1.1$/);
   assert.equal(await leavingAsks(), true);
 });
 
@@ -1182,7 +1182,7 @@ test("on a phone each number has its label, and the controls stand above the plo
 
 test("an axis that is not there is named", async () => {
   await page.goto(`${gateway.address}#/axis/1.99`);
-  await waitForText(page.locator("main"), /There is no axis 1.99/);
+  await waitForText(page.locator("main"), /No such axis: 1.99/);
   await page.goto(`${gateway.address}#/control`);
 });
 
@@ -1197,7 +1197,7 @@ test("control is taken from its holder after a question that names it and what m
   await waitForText(other.locator(".holder"), /Control is held by page \(Chrome \d+, Linux\)/);
   await waitForText(take, /^Take control …$/);
   await take.click();
-  const named = /Take control from page \(Chrome \d+, Linux\), which has had it since \d\d:\d\d\? Moving now: 1\.1 \(profile position, −?[\d\s]+ UU, −[\d\s]+ UU\/s\)/;
+  const named = /Take control from page \(Chrome \d+, Linux\), in control since \d\d:\d\d\? Moving now: 1\.1 \(profile position, −?[\d\s]+ UU, −[\d\s]+ UU\/s\)/;
   await waitForText(other.locator(".question"), named);
   assert.deepEqual(await findings(other), []);
   await other.keyboard.press("Escape");
@@ -1262,7 +1262,7 @@ test("an axis that moves on without its page is named to the next one", async ()
   await other.click('[data-test="move"]');
   await waitForText(figure("velocity"), /−\d\d.\d{3}/);
   await other.close();
-  await waitForText(page.locator(".motion"), /^Moving or pressing, and controlled by nobody .take control, or STOP.: 1.1$/);
+  await waitForText(page.locator(".motion"), /^Moving or applying torque with no one in control .take control, or press STOP.: 1.1$/);
   await command("stop").click();
   await waitForText(page.locator(".motion"), /^$/);
 });
@@ -1292,9 +1292,9 @@ test("a page that stands still is lost after the limit that it chose, and what i
   assert.equal(await other.inputValue(silence), "10");
   await waitForText(other.locator('[data-test="on_loss"]'), /^then 6007h = 1: fault 8130h$/);
   await other.selectOption(silence, "1");
-  await waitForText(other.locator("footer"), /Take control: done, \d+ ms: Lost after a silence of 1 s/);
+  await waitForText(other.locator("footer"), /Take control: done, \d+ ms: Considered lost after 1 s/);
   assert.equal(await other.inputValue(silence), "1");
-  await waitForText(page.locator(".silence"), /page \(.*\): Limit of its silence 1 s/);
+  await waitForText(page.locator(".silence"), /page \(.*\): considered lost after 1 s/);
   await other.click('[data-test="enable"]');
   await waitForText(figure("state"), /Operation enabled/);
   const began = Date.now();
@@ -1312,13 +1312,13 @@ test("a page that stands still is lost after the limit that it chose, and what i
 test("a killed service is reported lost, and found again", async () => {
   await service.stop("SIGKILL");
   await waitForText(page.locator(".banner"), /has sent nothing for \d+ s/);
-  await waitForText(page.locator(".commands .need"), /sends nothing: its axes cannot be commanded|There is no axis/);
+  await waitForText(page.locator(".commands .need"), /sends nothing: its axes cannot be commanded|No such axis/);
   assert.ok(await command("enable").isDisabled());
   assert.ok(await command("stop").isEnabled());
   service = startPatientService();
   await page.locator(".banner").waitFor({ state: "hidden", timeout: PATIENCE_MS });
   await waitForText(figure("state"), /Switch on disabled/);
-  await waitForText(page.locator(".notices"), /another run of this bench since \d\d:\d\d/);
+  await waitForText(page.locator(".notices"), /bench restarted at \d\d:\d\d/);
   await page.locator(".notices button").click();
   await waitForNone(page.locator(".notices button"));
 });
@@ -1368,7 +1368,7 @@ for (const [view, age] of [["#/", '[data-address="1.1"] .age'], ["#/axis/1.1", '
       await command("take").click();
       if (view === "#/") continue;
       if (view === "#/control") await waitForText(page.locator(".clock-text"), /tick \d/);
-      await waitForText(page.locator(".commands .need"), view === "#/control" ? /^(|No axis is chosen.*)$/ : /^$/);
+      await waitForText(page.locator(".commands .need"), view === "#/control" ? /^(|No axis is selected.*)$/ : /^$/);
     }
   });
 }

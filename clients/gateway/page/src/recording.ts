@@ -55,7 +55,7 @@ async function readerOf(first: Uint8Array): Promise<Reader> {
  *  @throws Error that names the file, the place and what is wrong */
 export async function openRecording(file: File, progress: (share: number) => void): Promise<Recording> {
   try {
-    if (file.size > MOST_RECORDED_BYTES) throw new Error(`${file.size} bytes: ${MOST_RECORDED_BYTES} are opened at most`);
+    if (file.size > MOST_RECORDED_BYTES) throw new Error(`${file.size} bytes: the limit is ${MOST_RECORDED_BYTES}`);
     if (file.size === 0) throw new Error("the file is empty");
     const stream = file.stream().getReader();
     let reader: Reader | undefined;

@@ -210,11 +210,11 @@ test("the question before control is taken names the holder and what moves, and 
   publishState(gateway, 0);
   control(gateway, false, "night shift", OTHER);
   status(gateway, 1000, 0x65);
-  assert.match(model.takeOverText(), /^Take control from night shift, which has had it since \d\d:\d\d\? None of its axes moves\.$/);
+  assert.match(model.takeOverText(), /^Take control from night shift, in control since \d\d:\d\d\? None of its axes is moving\.$/);
   status(gateway, 1001, 0x65, 20_480);
   assert.match(model.takeOverText(), /\? Moving now: 1\.1 \(profile position, 51.892 UU, 20.480 UU\/s\)$/);
   status(gateway, 1002, 0x66, 20_480);
-  assert.match(model.takeOverText(), /None of its axes moves/, "it is another session's");
+  assert.match(model.takeOverText(), /None of its axes is moving/, "it is another session's");
   gateway.advertise("/bench2/description", "/bench2/state");
   assert.match(model.takeOverText(), /motion is shown only in the overview and in Control\.$/, "the status of bench 2 is not received");
 });

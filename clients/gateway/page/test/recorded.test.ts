@@ -126,12 +126,12 @@ test("MCAP that is cut anywhere is shown up to its last whole chunk, or has no s
   for (let length = 1; length < bytes.length; ++length) {
     try {
       const recorded = readMcap(bytes.subarray(0, length));
-      assert.match(recorded.cut, new RegExp(`^it ends at byte ${length}, in what begins at byte \\d+: the file is cut`));
+      assert.match(recorded.cut, new RegExp(`^the file is truncated: it ends at byte ${length}, within a record that begins at byte \\d+`));
       const found = positions(recorded);
       assert.ok(found.length >= shown, "no sample is lost again");
       shown = found.length;
     } catch (error) {
-      assert.match((error as Error).message, /^it has no status of an axis/);
+      assert.match((error as Error).message, /^it contains no axis status/);
       assert.equal(shown, 0);
     }
   }

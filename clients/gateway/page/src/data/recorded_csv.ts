@@ -32,8 +32,8 @@ export class CsvReader {
   finish(): Recorded {
     const axes = [...this.axes.values()];
     if (this.heads === undefined) throw new Error(this.rest === "" ? "the file is empty" : "neither MCAP nor CSV of vdrive record");
-    if (axes.length === 0) throw new Error("it has no sample");
-    const cut = this.rest === "" ? "" : `line ${this.line + 1} is incomplete: the file is cut; all lines before it are shown`;
+    if (axes.length === 0) throw new Error("it contains no samples");
+    const cut = this.rest === "" ? "" : `line ${this.line + 1} is incomplete: the file is truncated; all lines before it are shown`;
     return { axes, events: [], period: PERIOD_S, cut };
   }
 

@@ -43,7 +43,7 @@ function kindsOf(fields: readonly Field[]): Kinds {
 }
 
 function bounded(size: bigint): Uint8Array {
-  if (size > MOST_CHUNK_BYTES) throw new Error(`a chunk of ${size} bytes: ${MOST_CHUNK_BYTES} are read at most`);
+  if (size > MOST_CHUNK_BYTES) throw new Error(`a chunk of ${size} bytes: the limit is ${MOST_CHUNK_BYTES}`);
   return new Uint8Array(Number(size));
 }
 
@@ -80,14 +80,14 @@ export class McapReader {
     } catch (error) {
       const reason = `byte ${this.place}: ${(error as Error).message}`;
       if (this.axes.size === 0 || error instanceof TooLarge) throw new Error(reason);
-      this.cut = `${reason}; what stands before it is shown`;
+      this.cut = `${reason}; everything before that is shown`;
     }
   }
 
   /** @throws Error if nothing can be shown */
   finish(): Recorded {
-    if (this.axes.size === 0) throw new Error("it has no status of an axis: not a recording of vdrive");
-    if (this.cut === "" && !this.reader.done()) this.cut = `it ends at byte ${this.bytes}, in what begins at byte ${this.place}: the file is cut; what stands before it is shown`;
+    if (this.axes.size === 0) throw new Error("it contains no axis status: not a vdrive recording");
+    if (this.cut === "" && !this.reader.done()) this.cut = `the file is truncated: it ends at byte ${this.bytes}, within a record that begins at byte ${this.place}; everything before that is shown`;
     const axes = [...this.axes.values()];
     for (const axis of axes) axis.unit = this.units.get(axis.address);
     return { axes, events: this.events, period: this.periodNs * 1e-9, cut: this.cut };
