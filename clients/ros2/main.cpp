@@ -53,7 +53,7 @@ void declare(CLI::App& app, Arguments& arguments) {
       ->type_name("HZ");
   app.add_option("--config", arguments.file, "YAML file; options of the command line override it")
       ->type_name("FILE");
-  app.add_flag("--check", arguments.only_checks, "Check command line and configuration, and end");
+  app.add_flag("--check", arguments.only_checks, "Check command line and configuration, then exit");
   bridge::add_network_options(app, session);
 }
 
