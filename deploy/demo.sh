@@ -57,7 +57,7 @@ add_repository() {
   if ! /usr/lib/apt/apt-helper download-file "$url/vdrive.asc" "$fetched/vdrive.asc" >"$fetched/log" 2>&1; then
     reason=$(sed -n 's/^E: Failed to fetch [^ ]* *//p' "$fetched/log")
     rm -r "$fetched"
-    fail "no key at $url/vdrive.asc ($reason): a repository without a key is not used; deploy/repository.sh makes one with a key"
+    fail "no key at $url/vdrive.asc ($reason): repositories without a key are refused; deploy/repository.sh creates one with a key"
   fi
   "${as_root[@]}" install -D -m 644 "$fetched/vdrive.asc" "$keyring"
   rm -r "$fetched"
@@ -124,9 +124,9 @@ bench=1
 taken=$(taken_benches || true)
 while grep -qx "$bench" <<<"$taken"; do
   bench=$((bench + 1))
-  ((bench <= highest_bench)) || fail "benches 1 to $highest_bench are all taken on domain $domain"
+  ((bench <= highest_bench)) || fail "all benches from 1 to $highest_bench are in use on domain $domain"
 done
-((bench == 1)) || echo "demo: bench 1 exists already on domain $domain; this one is bench $bench"
+((bench == 1)) || echo "demo: bench 1 already exists on domain $domain; using bench $bench"
 
 domain_option=
 if [[ $domain != 0 ]]; then
@@ -192,7 +192,7 @@ run_example "absolute position, forward: axis $bench.1 to 10000 UU in 10.17 s" a
 run_example "absolute position, negative: axis $bench.2 to -10000 UU in 10.17 s" absolute_negative.scn
 
 echo
-echo "== what happened"
+echo "== results"
 printf '%s\n' "${results[@]}"
 vdrive list
 if $failed; then

@@ -36,7 +36,7 @@ while (($#)); do
     --packages) packages=$2 && shift ;;
     --out) out=$2 && shift ;;
     bench | gateway | canopen | ros2 | discovery | demo) names+=("$1") ;;
-    *) fail "unknown word '$1'; $usage" ;;
+    *) fail "unknown argument '$1'; $usage" ;;
   esac
   shift
 done
@@ -104,7 +104,7 @@ if ! apt-get --quiet --yes --no-install-recommends --download-only \
   --option Debug::NoLocking=1 --option APT::Sandbox::User= --option Acquire::Retries=3 \
   install base-files "${debian[@]}" "${files[@]}" >"$work/apt" 2>&1; then
   cat "$work/apt" >&2
-  fail "apt cannot get what the packages depend on: are they for this Debian, and are its lists new (apt-get update)?"
+  fail "apt cannot download the dependencies of the packages: check that they are for this Debian, and run apt-get update"
 fi
 for each in "$work"/debian/*.deb; do
   dpkg-deb --vextract "$each" "$work/tree" | sed "s|^\./|/|; s|\$| $each|" >>"$work/index"
@@ -123,7 +123,7 @@ add_libraries() {
   listed=$("$loader" --inhibit-cache --library-path "$folders" --list "$program" 2>&1) ||
     fail "$(basename "$program"): $listed"
   while read -r name file; do
-    [[ $file == "$work/tree"/* ]] || fail "$(basename "$program"): $name is in no package"
+    [[ $file == "$work/tree"/* ]] || fail "$(basename "$program"): $name is not in any package"
     place=${file#"$work/tree"}
     each=$(awk -v place="$place" '$1 == place { print $2; exit }' "$work/index")
     [[ $name != /* ]] || place=$name

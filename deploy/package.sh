@@ -34,5 +34,5 @@ if ! output=$(cd "$root/build/release" && cpack 2>&1); then
 fi
 rm -rf "$packages/_CPack_Packages"
 /usr/bin/python3 -B "$root/deploy/list_contents.py" "$root/build/release" \
-  "$root/clients/gateway/page/package-lock.json" "$packages"/*.deb || fail "the list of contents failed"
+  "$root/clients/gateway/page/package-lock.json" "$packages"/*.deb || fail "listing the package contents failed"
 ls "$packages"/*.deb

@@ -36,8 +36,8 @@ while (($#)); do
   esac
   shift
 done
-[[ -n $directory ]] || fail "needs the folder of the repository; $usage"
-[[ -n $key ]] || fail "needs a key that signs, --key KEYID: apt refuses a repository without a signature; 'gpg --list-secret-keys' lists yours, 'gpg --quick-generate-key NAME' makes one"
+[[ -n $directory ]] || fail "the folder of the repository is missing; $usage"
+[[ -n $key ]] || fail "no signing key is given (--key KEYID), and apt refuses an unsigned repository; 'gpg --list-secret-keys' lists yours, 'gpg --quick-generate-key NAME' creates one"
 command -v gpg >/dev/null || fail "needs gpg, of the package gnupg"
 gpg --batch --list-secret-keys -- "$key" >/dev/null 2>&1 || fail "gpg has no secret key '$key'; 'gpg --list-secret-keys' lists yours"
 if ((${#debs[@]} == 0)); then
@@ -62,7 +62,7 @@ for deb in "${debs[@]}"; do
   # Users who have this version would never get the changed package.
   kept=$directory/pool/$(basename "$deb")
   [[ ! -e $kept ]] || cmp --silent "$deb" "$kept" ||
-    fail "$kept is there with other contents: a changed package needs another version"
+    fail "$kept already exists with different contents: a changed package needs a new version"
 done
 
 # Everything is written to a temporary folder and renamed when it is complete.
@@ -73,7 +73,7 @@ new=$(mktemp -d "$directory/.new.XXXXXX")
 clean_up() {
   local code=$?
   rm -rf "$new"
-  ((code == 0)) || echo "repository: nothing was published, $directory is as it was" >&2
+  ((code == 0)) || echo "repository: nothing was published; $directory is unchanged" >&2
 }
 trap clean_up EXIT
 mkdir -p "$new/pool" "$directory/pool"

@@ -32,7 +32,7 @@ case $(system ID)-$(system VERSION_ID) in
   debian-13) dds_package=libfastdds-dev ;;  # 3.1
   *)
     name=$(system PRETTY_NAME)
-    fail "this is ${name:-a system without a name}; installs packages on Debian 12 and 13 only. Elsewhere install" \
+    fail "only Debian 12 and 13 are supported, and this is ${name:-a system without a name}. Elsewhere install" \
       "Fast DDS 2.9 or 3.1, g++ 12 or later, CMake 3.25 or later and the libraries of docs/architecture.md," \
       "then run deploy/build.sh"
     ;;

@@ -32,7 +32,7 @@ done
 
 here=$(cd "$(dirname "${BASH_SOURCE[0]}")" && pwd)
 if [[ -e $directory/governance.smime ]]; then
-  echo "make_authority: $directory has an authority already; nothing changed" >&2
+  echo "make_authority: $directory already contains an authority; nothing changed" >&2
   exit 0
 fi
 [[ ! -e $directory ]] || [[ -z $(ls -A "$directory") ]] ||
@@ -62,4 +62,4 @@ rm "$work/log"
 chmod 644 "$work"/identity_ca.pem "$work"/permissions_ca.pem "$work"/governance.smime
 if [[ -d $directory ]]; then rmdir "$directory"; fi
 mv --no-target-directory "$work" "$directory"
-echo "make_authority: made $directory; the two *_key.pem in it are the keys to everything" >&2
+echo "make_authority: created $directory; keep its two *_key.pem secret: whoever has them can admit members" >&2

@@ -49,15 +49,15 @@ directory=${words[0]} role=${words[1]} name=${words[2]}
 instant='^[0-9]{4}-[0-9]{2}-[0-9]{2}T[0-9]{2}:[0-9]{2}:[0-9]{2}$'
 from=${from:-$(date --utc +%FT%T)}
 to=${to:-$(date --utc --date "+$days days" +%FT%T)}
-[[ $from =~ $instant ]] || fail "--from '$from': must be such as 2026-01-31T00:00:00"
-[[ $to =~ $instant ]] || fail "--to '$to': must be such as 2026-01-31T00:00:00"
+[[ $from =~ $instant ]] || fail "--from '$from': must have the form 2026-01-31T00:00:00 (UTC)"
+[[ $to =~ $instant ]] || fail "--to '$to': must have the form 2026-01-31T00:00:00 (UTC)"
 [[ -r $directory/identity_ca_key.pem && -r $directory/permissions_ca_key.pem ]] ||
-  fail "$directory has no authority that you can use; make_authority.sh makes one"
+  fail "$directory contains no authority, or you may not read its keys; make_authority.sh creates an authority"
 
 here=$(cd "$(dirname "${BASH_SOURCE[0]}")" && pwd)
 directory=$(cd "$directory" && pwd)
 member=$directory/members/$name
-[[ ! -e $member ]] || fail "$member exists already; remove it first to make it again"
+[[ ! -e $member ]] || fail "$member already exists; remove it first to replace the member"
 mkdir -p "$directory/members"
 work=$(mktemp --directory "$directory/members/.$name.XXXXXX")
 trap 'rm -rf "$work"' EXIT

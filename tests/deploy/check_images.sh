@@ -78,13 +78,13 @@ refused() {
   [[ ${text##*$'\n'} == "image: "*"$expected"* ]] || fail "$*: $text"
 }
 refused "run deploy/package.sh first" --packages "$work/nowhere"
-refused "unknown word 'benches'" benches
+refused "unknown argument 'benches'" benches
 mkdir "$work/foreign" "$work/control" "$work/control/DEBIAN"
 printf '%s\n' "Package: vdrived" "Version: 1" "Architecture: all" "Maintainer: none" \
   "Description: of another Debian" "Depends: libof-another-debian" >"$work/control/DEBIAN/control"
 dpkg-deb --build "$work/control" "$work/foreign/vdrived_1_all.deb" >/dev/null
 cp "$packages"/vdrive_*.deb "$work/foreign"
-refused "are they for this Debian" --packages "$work/foreign" bench
+refused "are for this Debian" --packages "$work/foreign" bench
 
 CONTAINERS_CONF=$(dirname "$(realpath "${BASH_SOURCE[0]}")")/containers.conf
 export CONTAINERS_CONF

@@ -69,7 +69,7 @@ export GNUPGHOME=$work/gnupg
 mkdir --mode=700 "$GNUPGHOME"
 gpg --batch --quiet --passphrase '' --quick-generate-key 'Lab <lab@example.org>' ed25519 sign never 2>"$work/log" ||
   fail "$(cat "$work/log")"
-refused "needs a key that signs" "$repository" "$work/debs"
+refused "no signing key is given" "$repository" "$work/debs"
 refused "gpg has no secret key 'nobody'" "$repository" "$work/debs" --key nobody "$before"
 refused "/bin/sh is not a Debian package" "$repository" "$work/debs" --key lab@example.org /bin/sh
 repack "$before" 's/~deb.*//'

@@ -484,7 +484,7 @@ TEST(SecurityScripts, NeverOverwriteFiles) {
   const ShellResult again =
       shell(scripts + "make_member.sh " + authority.directory().string() + " viewer bench");
   EXPECT_EQ(again.code, 1);
-  EXPECT_THAT(again.text, HasSubstr("exists already; remove it first to make it again"));
+  EXPECT_THAT(again.text, HasSubstr("already exists; remove it first to replace the member"));
   EXPECT_EQ(read_file(member / "certificate.pem"), certificate);
 }
 
