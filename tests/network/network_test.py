@@ -129,7 +129,7 @@ class Case:
 
     def show_logs(self):
         for process in self.network.processes:
-            lines = [line for line in process.lines() if "too late" not in line]
+            lines = [line for line in process.lines() if not re.search(r"too late|ended .*late", line)]
             print(f"--- {process.name}, last of {len(lines)} lines", *lines[-60:], sep="\n")
 
     def start_benches(self, network=""):

@@ -65,7 +65,7 @@ TEST(RosSettings, AreReadFromTheFile) {
 
 TEST(RosSettings, AreOneDocumentInUtf8WithoutTabs) {
   EXPECT_EQ(problem_of_settings("enable: true\n\trate: 5\n"),
-            "ros2.yaml:2: a tab indents this line; YAML needs blanks");
+            "ros2.yaml:2: this line is indented with a tab; YAML allows only spaces");
   EXPECT_THAT(problem_of_settings("rate: 5\nnamespace: \xff\n"),
               HasSubstr("ros2.yaml:2: 'namespace: \\xFF' is not valid UTF-8"));
   EXPECT_THAT(problem_of_settings("rate: 5\n---\nrate: 6\n"),

@@ -46,13 +46,13 @@ TEST(EventWords, DescribeAStepOfTheWallClockAndItsCorrection) {
   EXPECT_EQ(words_of({.kind = msg::EventKind::wall_clock,
                       .code = 1,
                       .detail = std::chrono::microseconds{10s}}),
-            "the wall clock was changed: it is 10 s ahead of drive time; drive time is adjusted "
-            "for about 20000 s");
+            "the wall clock was changed: it is 10 s ahead of drive time; drive time is adjusted by "
+            "500 ppm for about 20000 s");
   EXPECT_EQ(words_of({.kind = msg::EventKind::wall_clock,
                       .code = 1,
                       .detail = std::chrono::microseconds{-1'500ms}}),
-            "the wall clock was changed: it is 1.5 s behind drive time; drive time is adjusted for "
-            "about 3000 s");
+            "the wall clock was changed: it is 1.5 s behind drive time; drive time is adjusted by "
+            "500 ppm for about 3000 s");
   EXPECT_EQ(words_of({.kind = msg::EventKind::wall_clock,
                       .code = 2,
                       .detail = std::chrono::microseconds{10s}}),
@@ -61,10 +61,10 @@ TEST(EventWords, DescribeAStepOfTheWallClockAndItsCorrection) {
 
 TEST(EventWords, SayHowLateOneTickWasAndTheWorstOfSeveral) {
   EXPECT_EQ(words_of({.kind = msg::EventKind::tick_overrun, .detail = Overruns{1, 1'203us, 0ms}}),
-            "tick ended 1203 us too late");
+            "tick ended 1203 us late");
   EXPECT_EQ(
       words_of({.kind = msg::EventKind::tick_overrun, .detail = Overruns{412, 5'120us, 8'000ms}}),
-      "412 ticks in 8 s ended too late, by up to 5120 us");
+      "412 ticks in 8 s ended late, by up to 5120 us");
 }
 
 TEST(EventWords, NameTheSessionThatStoppedAnAxisAndItsOwner) {
@@ -73,14 +73,14 @@ TEST(EventWords, NameTheSessionThatStoppedAnAxisAndItsOwner) {
                    .session = 0xB0B,
                    .code = 0x0002,
                    .detail = Label{0xA11CE}};
-  EXPECT_EQ(words_of(stop),
-            "axis 2: quick stop by session 0x0000000000000b0b; session 0x00000000000a11ce stays in "
-            "control");
+  EXPECT_EQ(
+      words_of(stop),
+      "axis 2: quick stop by session 0x0000000000000b0b; session 0x00000000000a11ce keeps control");
   stop.code = 0x013F;  // bit 8
   stop.session = 0;
-  EXPECT_EQ(words_of(stop),
-            "axis 2: halted by a client without a session; session 0x00000000000a11ce stays in "
-            "control");
+  EXPECT_EQ(
+      words_of(stop),
+      "axis 2: halted by a client without a session; session 0x00000000000a11ce keeps control");
 }
 
 TEST(EventWords, NameTheStepperThatLeavesTheClock) {

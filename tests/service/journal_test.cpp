@@ -557,7 +557,7 @@ TEST(DamagedJournal, IsRefusedWithDataAfterItsEnd) {
   seal_head(second_end, 0);
   for (const std::string& tail : {std::string("x"), second_end}) {
     file.set_bytes(whole + tail);
-    EXPECT_THAT(failure_of(file), HasSubstr("data follows after its end"));
+    EXPECT_THAT(failure_of(file), HasSubstr("data after its end mark"));
   }
 }
 
@@ -613,12 +613,12 @@ TEST(DamagedJournal, RefusesUnknownContent) {
   put_number(kind, snapshot, 9U);
   seal_head(kind, snapshot);
   file.set_bytes(kind);
-  EXPECT_THAT(failure_of(file), HasSubstr("chunk of an unknown kind 9"));
+  EXPECT_THAT(failure_of(file), HasSubstr("unknown kind of chunk: 9"));
   std::string cause = whole;
   cause[snapshot + kHead] = 4;
   seal_content(cause, snapshot);
   file.set_bytes(cause);
-  EXPECT_THAT(failure_of(file), HasSubstr("snapshot of an unknown cause 4"));
+  EXPECT_THAT(failure_of(file), HasSubstr("unknown cause of a snapshot: 4"));
 }
 
 // Journals of open benches have an empty credential directory.
@@ -709,7 +709,7 @@ TEST(DamagedJournal, RefusesAnotherLayoutOfTheState) {
     JournalWriter writer(sink, start);
   }
   EXPECT_THAT(failure_of(file),
-              HasSubstr("it was written by vdrived 9.9, which uses another layout of the state"));
+              HasSubstr("it was written by vdrived 9.9, whose state has a different layout"));
 }
 
 TEST(Journal, DoesNotOverwriteAFile) {

@@ -145,11 +145,10 @@ TEST(Mechanics, ThatAreNoMechanicsAreRefusedWithLineValueAndExample) {
 }
 
 TEST(Mechanics, RefuseWhatContradictsThemWithBothValues) {
-  EXPECT_EQ(
-      refusal_of_mechanics("{screw: {pitch: 5mm}}",
-                           "    unit: {kind: linear, name: mm, per_unit: 1000}\n"),
-      "bench.yaml:4: axes[0].unit: contradicts mechanics, from which {kind: linear, name: mm, "
-      "per_unit: 819.2} follows; leave it out");
+  EXPECT_EQ(refusal_of_mechanics("{screw: {pitch: 5mm}}",
+                                 "    unit: {kind: linear, name: mm, per_unit: 1000}\n"),
+            "bench.yaml:4: axes[0].unit: contradicts mechanics, from which {kind: linear, name: "
+            "mm, per_unit: 819.2} follows; remove it");
   EXPECT_EQ(refusal_of_mechanics("{screw: {pitch: 5mm}, gear: 10:1}",
                                  "    parameters: {gear_ratio_denominator: 5}\n"),
             "bench.yaml:4: axes[0].parameters.gear_ratio_denominator = 5: contradicts mechanics, "
@@ -183,8 +182,8 @@ TEST(Mechanics, DoNotHideOtherMistakesOfTheirAxis) {
 // 5 mm over 4096 are 1.2207 um.
 TEST(Mechanics, RefuseAFinerResolutionThanThatOfAUserUnit) {
   EXPECT_EQ(refusal_of_mechanics("{screw: {pitch: 5mm}, resolution: 1um}"),
-            "bench.yaml:3: axes[0].mechanics.resolution = 1um: is finer than a user unit, which is "
-            "1.2207 um: a turn of the load has 4096 user units");
+            "bench.yaml:3: axes[0].mechanics.resolution = 1um: is finer than one user unit (1.2207 "
+            "um): a turn of the load has 4096 user units");
   EXPECT_EQ(refusal_of_mechanics("{screw: {pitch: 5mm}, resolution: 1.3um}"), "accepted");
   // 4.096 mm are 4096 user units of 1 um; neither length is exact in binary.
   EXPECT_EQ(refusal_of_mechanics("{screw: {pitch: 0.4096cm}, resolution: 1um}"), "accepted");
@@ -233,10 +232,9 @@ TEST(Mechanics, AreATableWithALineForAxesThatAreAlike) {
 TEST(Mechanics, AreAdvisedWhereAUnitContradictsTheDrive) {
   EXPECT_THAT(
       start_warnings(bench_in("axes: [{number: 1, unit: {kind: rotary, per_revolution: 36000}}]")),
-      ElementsAre(
-          "bench.yaml:1: axes[0].unit: axis 1 axis1: unit says per_revolution = 36000, but a "
-          "revolution of the load has 4096 user units: every angle is shown wrong; write "
-          "mechanics: {rotary_table: deg} instead of unit"));
+      ElementsAre("bench.yaml:1: axes[0].unit: axis 1 axis1: unit has per_revolution = 36000, but "
+                  "a revolution of the load has 4096 user units, so all angles are displayed "
+                  "wrong; use mechanics: {rotary_table: deg} instead of unit"));
   EXPECT_THAT(start_warnings(bench_in("axes: [{number: 1, mechanics: {rotary_table: deg}}]")),
               IsEmpty());
   EXPECT_THAT(start_warnings(
@@ -249,12 +247,12 @@ TEST(Mechanics, AreAdvisedWhereAUnitContradictsTheDrive) {
 TEST(Mechanics, WarnOfASpeedLimitThatTheMotorDoesNotReach) {
   const std::string axis =
       "axes: [{number: 1, parameters: {gear_ratio_denominator: 10, app_speed_limit: ";
-  EXPECT_THAT(start_warnings(bench_in(axis + "13654}}]")),
-              ElementsAre("bench.yaml:1: axes[0].parameters.app_speed_limit = 13654: axis 1 "
-                          "axis1: app_speed_limit = 13654 UU/s (1200.06 deg/s) is above the 13653 "
-                          "UU/s (1199.97 deg/s) at which the motor turns at motor_max_speed_rpm "
-                          "(6080h) = 2000: the lower one "
-                          "holds"));
+  EXPECT_THAT(
+      start_warnings(bench_in(axis + "13654}}]")),
+      ElementsAre(
+          "bench.yaml:1: axes[0].parameters.app_speed_limit = 13654: axis 1 axis1: app_speed_limit "
+          "= 13654 UU/s (1200.06 deg/s) is above 13653 UU/s (1199.97 deg/s), the speed at "
+          "motor_max_speed_rpm (6080h) = 2000: the lower limit applies"));
   EXPECT_THAT(start_warnings(bench_in(axis + "13653}}]")), IsEmpty());
 }
 
@@ -266,12 +264,12 @@ std::vector<std::string> warnings_of_axis(const std::string& keys) {
 // 4096 UU of a micrometre are 4.096 mm.
 TEST(Mechanics, AreAdvisedWhereAUserUnitIsSaidToBeADecimalPartOfALength) {
   EXPECT_THAT(warnings_of_axis("unit: {kind: linear, name: um, per_unit: 1}"),
-              ElementsAre("bench.yaml:1: axes[0].unit: axis 1 axis1: unit says per_unit = 1, and a "
-                          "revolution of the load has 4096 user units, so its lead is 4.096 mm: "
-                          "with another lead every length is shown wrong; write mechanics: {screw: "
-                          "{pitch: 4096um}} with the lead of the machine instead of unit"));
+              ElementsAre("bench.yaml:1: axes[0].unit: axis 1 axis1: unit has per_unit = 1, and a "
+                          "revolution of the load has 4096 user units, that is a lead of 4.096 mm; "
+                          "if the lead of the machine differs, all lengths are displayed wrong: "
+                          "use mechanics: {screw: {pitch: 4096um}} with its lead instead of unit"));
   EXPECT_THAT(warnings_of_axis("unit: {kind: linear, name: mm, per_unit: 1000}"),
-              ElementsAre(HasSubstr("so its lead is 4.096 mm: ")));
+              ElementsAre(HasSubstr("that is a lead of 4.096 mm; ")));
   // A hundredth of a millimetre; with one encoder behind 10:1 a turn of the load has 40960 UU.
   EXPECT_THAT(warnings_of_axis("unit: {kind: linear, name: mm, per_unit: 100}, model: {feedback: "
                                "single_encoder}, parameters: {gear_ratio_denominator: 10}"),

@@ -220,13 +220,12 @@ TEST_F(StateDirectory, BelongsToOneServiceForEachBench) {
     const auto second = open();
     ADD_FAILURE() << "two services would write one file";
   } catch (const ConfigurationError& error) {
-    EXPECT_NE(std::string(error.what()).find("bench 7 are in use by another bench"),
-              std::string::npos)
+    EXPECT_NE(std::string(error.what()).find("bench 7 are in use by process "), std::string::npos)
         << error.what();
     EXPECT_NE(std::string(error.what()).find("process " + std::to_string(getpid()) + " ("),
               std::string::npos)
         << error.what();
-    EXPECT_NE(std::string(error.what()).find(") of this host; end it"), std::string::npos)
+    EXPECT_NE(std::string(error.what()).find(") on this host; stop it"), std::string::npos)
         << error.what();
   }
   EXPECT_NO_THROW(ParameterStore(directory.path(), kBenchOfStore + 1));

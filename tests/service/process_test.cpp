@@ -168,12 +168,10 @@ TEST(ServiceProcess, ThatStartedLaterEndsWhenTwoShareABenchNumber) {
   }));
   older.send(SIGCONT);
   EXPECT_EQ(younger.wait(), 5);
-  EXPECT_NE(younger.text().find("bench 9 belongs to a service that started earlier"),
-            std::string::npos)
+  EXPECT_NE(younger.text().find("bench 9 is already served in domain"), std::string::npos)
       << younger.text();
-  EXPECT_NE(
-      younger.text().find(" earlier: process " + std::to_string(older.id()) + " on " + host_name()),
-      std::string::npos)
+  EXPECT_NE(younger.text().find(" by process " + std::to_string(older.id()) + " on " + host_name()),
+            std::string::npos)
       << younger.text();
   EXPECT_TRUE(probe.read(1, 0x6041));
 }
@@ -265,7 +263,7 @@ TEST(ServiceProcess, NamesOptionValueAndLimitsOfANumber) {
                          Row{"--period", "a whole number from 125 to 10000"},
                          Row{"--threads", "a whole number from 1 to 64"},
                          Row{"--metrics", "a whole number from 0 to 65535"},
-                         Row{"--rate", "0 = paused, or from 0.1 to 100"}}) {
+                         Row{"--rate", "0 (paused) or from 0.1 to 100"}}) {
     for (const char* const value : {"1e9", "1e99", "-1", "many"}) {
       Process service({row.option, value, "--print-config"});
       EXPECT_EQ(service.wait(), 2) << row.option << " " << value;
@@ -332,8 +330,8 @@ TEST(ServiceProcess, NamesTheFirstUnknownOption) {
 TEST(ServiceProcess, SaysHowAConfigurationIsNamed) {
   Process service({"c0.yaml"});
   EXPECT_EQ(service.wait(), 2);
-  EXPECT_NE(service.text().find("vdrived: 'c0.yaml' is not an option; a configuration is named by "
-                                "--config: vdrived --config c0.yaml\n"),
+  EXPECT_NE(service.text().find("vdrived: 'c0.yaml' is one argument too many; to use it as the "
+                                "configuration: vdrived --config c0.yaml\n"),
             std::string::npos)
       << service.text();
   Process two({"--check", "c0.yaml", "c1.yaml"});
@@ -343,7 +341,7 @@ TEST(ServiceProcess, SaysHowAConfigurationIsNamed) {
 
 // CLI11 takes --config for the file of --check.
 TEST(ServiceProcess, ShowsTheFormOfACheckWithoutItsFile) {
-  const std::string form = "vdrived: --check takes the file itself: vdrived --check ";
+  const std::string form = "vdrived: --check needs the file itself: vdrived --check ";
   for (const std::vector<std::string>& named : std::vector<std::vector<std::string>>{
            {"--check", "--config", "c0.yaml"},
            {"--check", "--config=c0.yaml"},

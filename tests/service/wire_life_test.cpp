@@ -421,7 +421,7 @@ TEST(Engine, EndsAWireWhoseDiscoveryHasFailed) {
   const std::string reason = reason_of_the_loss(probe);
   // 4 s of probes that do not come through, or 512 MiB; two seconds more are for the machine.
   EXPECT_LT(Clock::now() - begin, 7s);
-  EXPECT_TRUE(reason.find("no probe arrived") != std::string::npos ||
+  EXPECT_TRUE(reason.find("no test sample arrived") != std::string::npos ||
               reason.find("memory") != std::string::npos)
       << reason;
   EXPECT_TRUE(Probe(test_domain()).find_bench()) << "and the next wire discovers";

@@ -50,7 +50,7 @@ void expect_it_replays(const JournalName& journal, const std::string& text, int 
   for (const std::string& threads : threads_of_replays) {
     const Finished replayed = journal.replay(threads);
     EXPECT_EQ(replayed.code, code) << replayed.errors;
-    EXPECT_THAT(replayed.output, HasSubstr("every hash agrees"));
+    EXPECT_THAT(replayed.output, HasSubstr("all checks agree"));
     EXPECT_THAT(replayed.output, HasSubstr(text));
     EXPECT_THAT(replayed.output, Not(HasSubstr(" 0 changes")));
   }
@@ -73,7 +73,7 @@ TEST(Journal, ThatAServiceWritesIsRefusedToAnother) {
     EXPECT_EQ(second.code, 1) << name;
     EXPECT_THAT(second.errors,
                 HasSubstr("journal " + name + ": is being written by another bench, process " +
-                          std::to_string(first.id()) + " (vdrived) of this host"));
+                          std::to_string(first.id()) + " (vdrived) on this host"));
   }
   EXPECT_EQ(tool("step 100").code, 0);
   EXPECT_EQ(first.stop().code, 0);

@@ -85,9 +85,9 @@ TEST_F(StoredParameters, BelongToOneService) {
           .wait();
   EXPECT_EQ(second.code, 1);
   EXPECT_THAT(second.errors,
-              testing::AllOf(HasSubstr("the parameters of bench 1 are in use by another bench"),
+              testing::AllOf(HasSubstr("the parameters of bench 1 are in use by process "),
                              HasSubstr("process " + std::to_string(service.id()) +
-                                       " (vdrived) of this host")));
+                                       " (vdrived) on this host")));
   const Finished nowhere = Process(VDRIVE_SERVICE, {"--state", "/nonexistent/state"}).wait();
   EXPECT_EQ(nowhere.code, 1);
   EXPECT_THAT(nowhere.errors, HasSubstr("/nonexistent/state"));
@@ -113,7 +113,7 @@ TEST_F(StoredParameters, AreRecordedInTheJournal) {
   }
   const Finished replayed = Process(VDRIVE_SERVICE, {"--replay", journal}).wait();
   EXPECT_EQ(replayed.code, 0) << replayed.errors;
-  EXPECT_THAT(replayed.output, HasSubstr("every hash agrees"));
+  EXPECT_THAT(replayed.output, HasSubstr("all checks agree"));
 }
 
 /// @return 6081h, or -1.

@@ -53,11 +53,10 @@ TEST(EventText, NamesTheProgramsOfTheSessionsThatAreKnown) {
   event.tick = 42;
   event.kind = client::EventKind::stopped;
   event.text =
-      "axis 2: quick stop by session 0x000000000000000a; session 0x000000000000000b stays in "
-      "control";
+      "axis 2: quick stop by session 0x000000000000000a; session 0x000000000000000b keeps control";
   EXPECT_EQ(event_text(event, name_of),
             "42  1.2  quick stop by vdrive (process 4711 on bench-host), session "
-            "0x000000000000000a; session 0x000000000000000b stays in control");
+            "0x000000000000000a; session 0x000000000000000b keeps control");
   event.text = "axis 2: released by session 0x00000000";  // cut off
   EXPECT_EQ(event_text(event, name_of), "42  1.2  released by session 0x00000000");
 }

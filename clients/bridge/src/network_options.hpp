@@ -45,7 +45,7 @@ inline void add_network_options(CLI::App& app, client::SessionOptions& session,
                  "only")
       ->type_name("ADDRESS");
   app.add_option("--peer", session.peers,
-                 "Host, by address or name, searched in addition to multicast")
+                 "Host, by address or name, to contact in addition to multicast")
       ->type_name("HOST");
   app.add_option("--discovery-server", session.discovery_servers,
                  "Such as 10.0.0.9:11811, instead of multicast and peers")

@@ -26,9 +26,9 @@ std::string WireLoss::text() const {
     case Cause::no_start:
       return "not ready after 10 s";
     case Cause::hangs:
-      return "hung: it sent nothing for 2 s";
+      return "hung: its send and receive loops did not run for 2 s";
     case Cause::deaf:
-      return "received nothing: no probe arrived through discovery and data for 4 s";
+      return "received nothing: no test sample arrived for 4 s";
     case Cause::memory:
       return "used " + number + " MiB of memory, more than its limit";
   }

@@ -97,11 +97,11 @@ int unlock_and_close(int file) noexcept {
 std::string holder_of_lock(int file) {
   const std::string process = listed_holder(file);
   if (process.empty())
-    return "a process that this host does not list: it runs on another host or in a container";
+    return "a process that is not visible here: it runs on another host or in a container";
   std::ifstream names("/proc/" + process + "/comm");
   std::string name;
   std::getline(names, name);
-  return "process " + process + (name.empty() ? "" : " (" + escaped(name) + ")") + " of this host";
+  return "process " + process + (name.empty() ? "" : " (" + escaped(name) + ")") + " on this host";
 }
 
 }  // namespace vdrive::service

@@ -16,7 +16,7 @@ namespace vdrive::service {
 int unlock_and_close(int file) noexcept;
 
 /// @param file an open descriptor of a file whose lock (flock) another process holds
-/// @return the holder according to /proc/locks, for example "process 4711 (vdrived) of this host".
+/// @return the holder according to /proc/locks, for example "process 4711 (vdrived) on this host".
 ///         /proc/locks lists no process of another host or container, and on some file systems no
 ///         file; then the text says so.
 [[nodiscard]] std::string holder_of_lock(int file);

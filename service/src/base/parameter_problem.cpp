@@ -10,7 +10,7 @@ namespace vdrive::service {
 std::string describe_problem(ParameterProblem problem, std::uint64_t number) {
   switch (problem) {
     case ParameterProblem::none:
-      return "good";
+      return "valid";
     case ParameterProblem::unreadable:
       return "cannot be read: " + std::generic_category().message(static_cast<int>(number));
     case ParameterProblem::empty:
@@ -27,7 +27,7 @@ std::string describe_problem(ParameterProblem problem, std::uint64_t number) {
     case ParameterProblem::refused_value:
       return hex(number >> 8U, 4) + ":" + std::to_string(number & 0xFFU) +
              (problem == ParameterProblem::unknown_object ? " is not an object that can be stored"
-                                                          : " has a value outside of its range");
+                                                          : " has a value out of range");
   }
   return "";
 }

@@ -43,7 +43,7 @@ constexpr IntegerLimits kPositions{std::numeric_limits<std::int32_t>::min(),
 constexpr auto kSettingsRows = std::to_array<Row<AxisSettings>>({
     key<&AxisSettings::acknowledge_while_halted>(
         "acknowledge_while_halted", Any{},
-        "false: no set-point is taken while bit 8 of the controlword is 1."),
+        "false: set-points are not accepted while bit 8 (halt) of the controlword is 1."),
     key<&AxisSettings::enable_from_switch_on_disabled>(
         "enable_from_switch_on_disabled", Any{},
         "true: the controlword 000Fh in Switch on disabled enables."),
@@ -51,10 +51,10 @@ constexpr auto kSettingsRows = std::to_array<Row<AxisSettings>>({
         "following_error_is_fault", Any{},
         "false: a following error shows in bit 13 of the statusword only."),
     key<&AxisSettings::limits_need_homing>("limits_need_homing", Any{},
-                                           "true: 607Dh is in force only once the axis is homed."),
+                                           "true: 607Dh applies only once the axis is homed."),
     key<&AxisSettings::quick_stop_dwell_ms>("quick_stop_dwell_ms",
                                             IntegerLimits{0, kLongestDwell, "ms"},
-                                            "Least time in Quick stop active, {} ms."),
+                                            "Minimum time in Quick stop active, {} ms."),
 });
 
 // ---- model -------------------------------------------------------------------------------------
@@ -163,7 +163,7 @@ void check_direction(const std::map<ObjectAddress, PlacedValue>& values) {
   if (first < last) return;
   value->second.place.refuse(
       "must be " + values_text(option) +
-      ", for bits 6 and 7 are of a modulo axis: min_position_range_limit (607Bh:1) below "
+      ", because bits 6 and 7 need a modulo axis: set min_position_range_limit (607Bh:1) below "
       "max_position_range_limit (607Bh:2)");
 }
 
@@ -193,7 +193,7 @@ void check_is_parameter(const ObjectDescription& object, const YamlValue& value)
   const std::string_view effect = effect_of(object);
   if (effect.empty()) return;
   value.refuse(std::string(object.variable_name) + " (" + address_text(object.address) +
-               ") is no parameter: a write of it " + std::string(effect) +
+               ") is not a parameter, because writing it " + std::string(effect) +
                "; parameters are objects that keep a value, such as profile_velocity, and test "
                "inputs, such as test_load_torque");
 }
@@ -268,7 +268,7 @@ void check_axis_name(const YamlValue& value, NamedAxis& axis) {
   check_name(value, axis.name);
   if (axis.name.find(' ') != std::string::npos ||
       (axis.name.front() >= '0' && axis.name.front() <= '9')) {
-    value.refuse("a name must not contain a blank and must not begin with a digit");
+    value.refuse("a name must not contain blanks or begin with a digit");
   }
 }
 
@@ -287,7 +287,7 @@ bool has_parameters(const NamedAxis& axis) {
 
 constexpr auto kAxisRows = std::to_array<Row<NamedAxis>>({
     key<&NamedAxis::number>("number", IntegerLimits{1, kHighestAxisNumber, ""},
-                            "{}, unique on the bench. Default: none, each axis needs it."),
+                            "{}, unique on the bench. Required."),
     key<&NamedAxis::name>("name", Any{},
                           "Unique, no blanks, no digit first. Default: axis and its number.",
                           {.then = check_axis_name}),
@@ -295,7 +295,8 @@ constexpr auto kAxisRows = std::to_array<Row<NamedAxis>>({
     // Not printed itself: the keys that follow from it are.
     {.key = "mechanics", .then = read_mechanics, .describe = describe_mechanics},
     {.key = "initial_position",
-     .what = "At the first power-up, {} user units, or with a unit of the axis, such as 25mm.",
+     .what =
+         "Position at the first power-up, {} user units, or with a unit of the axis, such as 25mm.",
      .rule = kPositions,
      .then = read_initial_position,
      .write = write_initial_position},
@@ -303,11 +304,10 @@ constexpr auto kAxisRows = std::to_array<Row<NamedAxis>>({
     section<kModelRows, &NamedAxis::configuration, &AxisConfiguration::model>(
         "model", {.then = check_model}),
     {.key = "parameters",
-     .what = "Map of objects to the values that they have from power-up on, by variable_name, name "
-             "in CiA 402 or address, such as profile_velocity: 68267 and \"0x607D:1\": -100000. "
-             "Positions, speeds and ramps may have a unit of the axis: 250mm/s. The "
-             "gear is load turns over motor turns: gear_ratio_numerator: 1 with "
-             "gear_ratio_denominator: 10 is a gear that reduces ten to one.",
+     .what = "Values of objects from power-up on, by variable_name, name in CiA 402 or address, "
+             "such as profile_velocity: 68267 and \"0x607D:1\": -100000. Positions, speeds and "
+             "ramps may have a unit of the axis: 250mm/s. The gear is load turns over motor turns: "
+             "gear_ratio_numerator: 1 with gear_ratio_denominator: 10 is a reduction of 10:1.",
      .then = read_parameters,
      .write = write_parameters,
      .is_printed = has_parameters},

@@ -55,7 +55,7 @@ void warn_of_limits_without_effect(const NamedAxis& axis, const AxisEntries& ent
     warn_at(*place, axis,
             std::string(describe(row).variable_name) + " = " +
                 object_value_text(row, *limit, axis.unit) +
-                " has no effect: app_position_limit_switch (3535h) is 0",
+                " has no effect because app_position_limit_switch (3535h) is 0; set it to 1",
             warnings);
   }
 }
@@ -89,9 +89,9 @@ std::string contradiction_of_angle(const NamedAxis& axis) {
     return std::abs(axis.unit.size / size - 1.0) < kSameSize;
   };
   if (is(turn) || is(kUserUnitsPerRevolution)) return {};
-  return "unit says per_revolution = " + to_text(axis.unit.size) +
+  return "unit has per_revolution = " + to_text(axis.unit.size) +
          ", but a revolution of the load has " + six_digits(turn) +
-         " user units: every angle is shown wrong; write mechanics: {rotary_table: " +
+         " user units, so all angles are displayed wrong; use mechanics: {rotary_table: " +
          axis.unit.name + "} instead of unit";
 }
 
@@ -104,11 +104,12 @@ std::string contradiction_of_length(const NamedAxis& axis) {
   const double decimals = std::log10(axis.unit.size);
   if (std::abs(decimals - std::round(decimals)) >= kSameSize) return {};
   const double turn = user_units_a_load_turn(axis.configuration);
-  return "unit says per_unit = " + to_text(axis.unit.size) + ", and a revolution of the load has " +
-         six_digits(turn) + " user units, so its lead is " + six_digits(turn / *in_millimetre) +
-         " mm: with another lead every length is shown wrong; write mechanics: {screw: {pitch: " +
+  return "unit has per_unit = " + to_text(axis.unit.size) + ", and a revolution of the load has " +
+         six_digits(turn) + " user units, that is a lead of " + six_digits(turn / *in_millimetre) +
+         " mm; if the lead of the machine differs, all lengths are displayed wrong: use mechanics: "
+         "{screw: {pitch: " +
          six_digits(from_user_units(turn, axis.unit)) + axis.unit.name +
-         "}} with the lead of the machine instead of unit";
+         "}} with its lead instead of unit";
 }
 
 void warn_of_unit(const NamedAxis& axis, const AxisEntries& entries,
@@ -140,10 +141,10 @@ void warn_of_speed_limit(const NamedAxis& axis, const AxisEntries& entries,
   if (!place) return;  // completed from the mechanics
   warn_at(*place, axis,
           "app_speed_limit = " + quantity_text(*limit, Dimension::velocity, axis.unit) +
-              " is above the " + quantity_text(highest, Dimension::velocity, axis.unit) +
-              " at which the motor turns at motor_max_speed_rpm (6080h) = " +
+              " is above " + quantity_text(highest, Dimension::velocity, axis.unit) +
+              ", the speed at motor_max_speed_rpm (6080h) = " +
               std::to_string(value_at_start(axis.configuration, "motor_max_speed_rpm"_object)) +
-              ": the lower one holds",
+              ": the lower limit applies",
           warnings);
 }
 

@@ -106,11 +106,12 @@ void check_unit(const YamlValue& place, const Unit& written, const Unit& unit) {
   place.refuse("contradicts mechanics, from which {kind: " + std::string(to_string(unit.kind)) +
                ", name: " + unit.name +
                (unit.kind == UnitKind::linear ? ", per_unit: " : ", per_revolution: ") +
-               to_text(unit.size) + "} follows; leave it out");
+               to_text(unit.size) + "} follows; remove it");
 }
 
 void name_axis(const YamlValue& value, NamedAxis& axis) {
-  if (axis.number == 0) value.refuse("an axis needs a number");
+  if (axis.number == 0)
+    value.refuse("the axis has no number; add number: 1 to " + std::to_string(kAxisNumbers - 1));
   if (axis.name.empty()) axis.name = "axis" + std::to_string(axis.number);
 }
 
@@ -204,10 +205,9 @@ constexpr auto kClockRows = std::to_array<Row<Configuration>>({
         "realtime: drive time over wall time, 0 (paused) or 0.1 to 100. Refused with the other "
         "modes.",
         {.then = check_rate, .is_printed = has_rate}),
-    key<&Configuration::steppers>(
-        "steppers", IntegerLimits{0, kMaxSteppers, ""},
-        "lockstep: time begins to pass once so many programs have joined the clock, {}; 0: it "
-        "waits for none."),
+    key<&Configuration::steppers>("steppers", IntegerLimits{0, kMaxSteppers, ""},
+                                  "lockstep: time stands still until this many programs have "
+                                  "joined the clock, {}; 0: no wait."),
     key<&Configuration::clock_step>(
         "clock_step", kOneOf<WallStepPolicy::steer, WallStepPolicy::jump>,
         "realtime at rate 1, after a change of the wall clock: steer (slowly, by 500 ppm) or "
@@ -217,20 +217,20 @@ constexpr auto kClockRows = std::to_array<Row<Configuration>>({
         "Threads that step the axes, {}. The result is the same for any number."),
     key<&Configuration::realtime_priority>(
         "realtime_priority", IntegerLimits{0, kHighestPriority, ""},
-        "SCHED_FIFO of the thread of the ticks where permitted, {}; 0: none."),
+        "SCHED_FIFO priority of the tick thread, if permitted, {}; 0: none."),
 });
 
 constexpr auto kStatusRows = std::to_array<Row<Configuration>>({
     key<&Configuration::status_every>("every_ticks", IntegerLimits{1, kMaxStatusEvery, "ticks"},
-                                      "One status frame each n ticks, {}."),
+                                      "One status frame every n ticks, {}."),
 });
 
 constexpr auto kWatchdogRows = std::to_array<Row<Configuration>>({
     key<&Configuration::watchdog>(
         "timeout_ms",
         IntegerOrNone{{kShortestWatchdog.count(), kLongestWatchdog.count(), "ms, or off"}, "off"},
-        "The owner of an axis must send at least this often: {} ms of drive time (at a rate "
-        "above 1 of wall time), or off. Off in freerun unless the key is set."),
+        "Time within which the owner of an axis must send something, {} ms of drive time (of wall "
+        "time at rates above 1), or off. Off in freerun unless the key is set."),
 });
 
 constexpr auto kWireRows = std::to_array<Row<Configuration>>({
@@ -241,25 +241,24 @@ constexpr auto kWireRows = std::to_array<Row<Configuration>>({
         "an interface other than loopback; thread otherwise and with shared memory."),
     key<&Configuration::wire_memory_limit_mib>(
         "memory_limit_mib", IntegerLimits{64, 65'536, "MiB"},
-        "Of the network process, {} MiB: one that uses more is restarted."),
+        "Memory limit of the network process, {} MiB; above it, the process is restarted."),
 });
 
 constexpr auto kBlackBoxRows = std::to_array<Row<Configuration>>({
     key<&Configuration::black_box_memory_mib>(
         "memory_mib", IntegerLimits{0, 4'096, "MiB"},
-        "For what the bench keeps of its last minutes, {} MiB, see `vdrive faults`; 0: nothing is "
-        "kept. Used as it is needed."),
+        "Memory for the black box (the last minutes of the bench), {} MiB, see `vdrive faults`; 0: "
+        "off. Allocated as needed."),
 });
 
 constexpr TextRule kAddress{.fits = wire::is_address,
                             .refusal = "must be an IPv4 address, such as 10.0.0.1"};
 
 constexpr auto kMetricsRows = std::to_array<Row<Configuration>>({
-    key<&Configuration::metrics_address>(
-        "address", kAddress,
-        "IPv4 address of this machine; 0.0.0.0: all of them, for a cluster. Whoever reaches it may "
-        "read.",
-        {.is_printed = has_metrics}),
+    key<&Configuration::metrics_address>("address", kAddress,
+                                         "IPv4 address of this machine; 0.0.0.0: all of them, for "
+                                         "a cluster. There is no access control.",
+                                         {.is_printed = has_metrics}),
     key<&Configuration::metrics_port>(
         "port", IntegerLimits{0, kHighestPort, ", 0 = any free one"},
         "Prometheus text on this port of the address, {}; 0: any free one. Without the key "
@@ -285,16 +284,16 @@ constexpr auto kNetworkRows = std::to_array<Row<wire::NetworkSettings>>({
         "empty: this machine only."),
     key<&wire::NetworkSettings::peers>(
         "peers", kHost,
-        "List of hosts, by IPv4 address or name, that are searched in addition to multicast."),
+        "List of hosts, by IPv4 address or name, to contact in addition to multicast."),
     key<&wire::NetworkSettings::discovery_servers>(
         "discovery_server", kServer,
         "List of servers, such as 10.0.0.9:11811, used instead of multicast and peers."),
     key<&wire::NetworkSettings::shared_memory>(
         "shared_memory", Any{},
-        "true: DDS uses shared memory, too, and runs in threads of the service."),
+        "true: DDS also uses shared memory, and runs in threads of the service."),
     key<&wire::NetworkSettings::security>(
         "security", kCredentials,
-        "Directory of the closed mode's material. Without the key the bench is open."),
+        "Directory with the credentials for the closed mode. Without this key the bench is open."),
 });
 
 constexpr auto kBench = &ParsedConfiguration::configuration;

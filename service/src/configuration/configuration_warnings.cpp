@@ -43,21 +43,22 @@ void add_warning(std::string& findings, const std::string& finding) {
 std::string findings_of(const LoopReport& report, const AxisModel& model) {
   std::string findings;
   if (std::isinf(report.ringing_time)) {
-    add_warning(findings,
-                "the axis oscillates at " + three_digits(report.ringing) + " Hz, growing");
+    add_warning(findings, "the axis is unstable: an oscillation at " +
+                              three_digits(report.ringing) + " Hz grows");
   } else if (report.ringing_time > kLongestRinging) {
     add_warning(findings, "the axis rings at " + three_digits(report.ringing) + " Hz for " +
                               three_digits(report.ringing_time) + " s");
   }
   if (report.velocity_bandwidth < kLeastBandwidth * model.velocity_loop_bandwidth) {
-    add_warning(findings, "the velocity loop reaches " + three_digits(report.velocity_bandwidth) +
-                              " Hz of " + three_digits(model.velocity_loop_bandwidth) +
+    add_warning(findings, "the velocity loop reaches only " +
+                              three_digits(report.velocity_bandwidth) + " of " +
+                              three_digits(model.velocity_loop_bandwidth) +
                               " Hz, the position loop " + three_digits(report.position_bandwidth) +
-                              " Hz of " + three_digits(model.position_loop_bandwidth) + " Hz");
+                              " of " + three_digits(model.position_loop_bandwidth) + " Hz");
   }
   if (report.torque_needed > report.torque_limit) {
     add_warning(findings, "profile_acc and profile_dec need " + three_digits(report.torque_needed) +
-                              " N.m at the motor, its limit is " +
+                              " N.m at the motor, whose limit is " +
                               three_digits(report.torque_limit) + " N.m");
   }
   return findings;
@@ -65,16 +66,16 @@ std::string findings_of(const LoopReport& report, const AxisModel& model) {
 
 /// @return the numbers behind the findings.
 std::string reasons_of(const LoopReport& report) {
-  std::string reasons = "motor and load have " + three_digits(report.inertia_ratio) +
-                        " times the inertia of the motor";
+  std::string reasons =
+      "the total inertia is " + three_digits(report.inertia_ratio) + " times the motor inertia";
   if (report.load_resonance > 0.0) {
     reasons +=
         ", the load's resonance on its shaft is " + three_digits(report.load_resonance) + " Hz";
   }
   if (report.gear_ratio > 1.0) {
     reasons += ", the load turns " + three_digits(report.gear_ratio) +
-               " times as fast as the motor (a gear that reduces has a gear_ratio_numerator below "
-               "its gear_ratio_denominator)";
+               " times as fast as the motor (a reduction gear has gear_ratio_numerator below "
+               "gear_ratio_denominator)";
   }
   return reasons;
 }

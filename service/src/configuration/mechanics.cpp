@@ -83,7 +83,7 @@ void read_value(const YamlValue& value, const Any& /*rule*/, GearTurns& gear) {
   }
   value.refuse(
       "must be turns of the motor to turns of the load, two whole numbers from 1 to 4294967295, "
-      "such as 10:1 for a gear that reduces ten to one, or 25:2");
+      "such as 10:1 for a reduction of ten to one, or 25:2");
 }
 
 void take_length(Mechanics& mechanics, double travel, const std::string& unit) {
@@ -153,21 +153,23 @@ void take_angle(const YamlValue& value, Mechanics& mechanics) {
 constexpr auto kMechanicsRows = std::to_array<Row<Mechanics>>({
     {.key = "screw",
      .what = "{pitch: LENGTH, starts: N}: the load moves by the pitch, times the starts (1 to 64, "
-             "default 1), in a turn of the screw. A length has its unit, such as 5mm; the unit of "
+             "default 1), per turn of the screw. A length has its unit, such as 5mm; the unit of "
              "the axis follows from it.",
      .then = take_screw},
     {.key = "belt",
      .what = "{diameter: LENGTH} or {teeth: N, pitch: LENGTH} of the pulley: the load moves by its "
-             "circumference in a turn.",
+             "circumference per turn.",
      .then = take_wheel},
-    {.key = "rack", .what = "The same of the pinion that moves the rack.", .then = take_wheel},
+    {.key = "rack",
+     .what = "As for belt, but of the pinion that moves the rack.",
+     .then = take_wheel},
     {.key = "rotary_table", .what = "The unit of the angle: deg, rad or rev.", .then = take_angle},
     key<&Mechanics::gear>("gear", Any{},
                           "Turns of the motor to turns of the screw, pulley, pinion or table, such "
                           "as 10:1, which sets 3576h and 3577h. Default: 1:1."),
-    key<&Mechanics::resolution>("resolution", Any{},
-                                "The step that the axis needs, such as 5um: refused when a user "
-                                "unit is larger. Default: none."),
+    key<&Mechanics::resolution>(
+        "resolution", Any{},
+        "Required step, such as 5um; an error if a user unit is larger. Default: none."),
     key<&Mechanics::software_limit>(
         "software_limit", Any{},
         "[LOWER, UPPER] such as [-10mm, 300mm]: sets 607Dh and 3535h. Default: none."),
@@ -200,9 +202,9 @@ void check_resolution(const YamlValue& value, const NamedAxis& axis) {
     value.refuse(problem + "; the axis has " + list_of_units(Dimension::position, axis.unit));
   }
   if (*wanted >= 1.0 - kSameSize) return;
-  value.refuse("is finer than a user unit, which is " + step_text(axis.unit) + ": a turn of the " +
-               "load has " + six_digits(user_units_a_load_turn(axis.configuration)) +
-               " user units");
+  value.refuse("is finer than one user unit (" + step_text(axis.unit) +
+               "): a turn of the load has " +
+               six_digits(user_units_a_load_turn(axis.configuration)) + " user units");
 }
 
 void read_software_limits(const YamlValue& value, NamedAxis& axis) {

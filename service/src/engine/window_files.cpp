@@ -144,7 +144,7 @@ void WindowFiles::load(BlackBox& box) {
   });
   for (const std::filesystem::path& path : paths) {
     if (load(path, box)) continue;
-    log_warning("{}: not the window of a black box with these axes; it is removed", path.string());
+    log_warning("{}: not a black box window for these axes; it is removed", path.string());
     std::filesystem::remove(path, error);
   }
   box.hand_over_windows();
@@ -172,7 +172,8 @@ bool WindowFiles::load(const std::filesystem::path& path, BlackBox& box) {
   }
   kept_.insert(kept_.begin(), window);
   if (!box.adopt(window, segments)) {
-    log_warning("{}: black_box.memory_mib has no room for it; the file stays", path.string());
+    log_warning("{}: black_box.memory_mib is too small to load this window; the file is kept",
+                path.string());
   }
   return true;
 }
@@ -183,7 +184,7 @@ void WindowFiles::save(BlackBox& box) {
   try {
     write(box, *window);
   } catch (const std::exception& error) {
-    log_warning("window {} of the black box is not kept on disk: {}", window->number, error.what());
+    log_warning("window {} of the black box could not be saved: {}", window->number, error.what());
   }
   box.pop_handed_over();
 }

@@ -264,10 +264,10 @@ void Journal::write() noexcept {
     writer_->end();
   } catch (const std::system_error& error) {
     error_.store(error.code().value() == 0 ? EIO : error.code().value());
-    log_error("the journal ended: {}", error.what());
+    log_error("the journal cannot be written: {}; recording has stopped", error.what());
   } catch (const std::exception& error) {
     error_.store(ENOMEM);
-    log_error("the journal ended: {}", error.what());
+    log_error("the journal cannot be written: {}; recording has stopped", error.what());
   }
 }
 

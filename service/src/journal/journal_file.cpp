@@ -228,7 +228,7 @@ std::optional<JournalRecord> JournalReader::next() {
                         .changes = take<std::uint64_t>(),
                         .lost = take<std::uint64_t>()};
     default:
-      fail("a second start record follows");
+      fail("a second start chunk was found");
   }
 }
 
@@ -264,7 +264,7 @@ void JournalReader::require_length(std::uint32_t kind, std::uint32_t length) con
       most = kEndSize;
       break;
     default:
-      fail("chunk of an unknown kind " + std::to_string(kind));
+      fail("unknown kind of chunk: " + std::to_string(kind));
   }
   if (length > most) {
     fail("a chunk of kind " + std::to_string(kind) + " with " + std::to_string(length) +
@@ -337,7 +337,7 @@ JournalRecord JournalReader::read_record() {
     case kAuthor: {
       const auto means = take<std::uint8_t>();
       if (means > static_cast<std::uint8_t>(JournalAuthor::Means::frame)) {
-        fail("author of an unknown kind " + std::to_string(means));
+        fail("unknown kind of author: " + std::to_string(means));
       }
       return JournalAuthor{.means = static_cast<JournalAuthor::Means>(means),
                            .session = take<std::uint64_t>()};
@@ -367,13 +367,13 @@ JournalRecord JournalReader::read_change(JournalChange::Kind kind) {
     case JournalChange::Kind::forgot:
       return change;
   }
-  fail("record of an unknown kind " + std::to_string(static_cast<unsigned>(kind)));
+  fail("unknown kind of record: " + std::to_string(static_cast<unsigned>(kind)));
 }
 
 JournalRecord JournalReader::read_snapshot() {
   JournalSnapshot snapshot;
   const auto cause = take<std::uint8_t>();
-  if (cause < 1 || cause > 3) fail("snapshot of an unknown cause " + std::to_string(cause));
+  if (cause < 1 || cause > 3) fail("unknown cause of a snapshot: " + std::to_string(cause));
   snapshot.cause = static_cast<JournalSnapshot::Cause>(cause);
   snapshot.tick = take<std::uint64_t>();
   snapshot.lost = take<std::uint64_t>();

@@ -43,7 +43,7 @@ std::string without_empty_security(std::string configuration) {
 Configuration configuration_of(const JournalStart& start) {
   if (start.layout != AxisBank::snapshot_layout()) {
     throw JournalError("it was written by vdrived " + escaped(start.version) +
-                       ", which uses another layout of the state; replay it with that version");
+                       ", whose state has a different layout; replay it with that version");
   }
   try {
     return parse_configuration(without_empty_security(start.configuration), "its configuration");
@@ -64,7 +64,9 @@ class Replay {
         rows_(reader.start().rows) {
     const std::size_t per_row = reader.start().axes_per_row;
     if (rows_.size() != (bank_.size() + per_row - 1) / per_row) {
-      throw JournalError("its header does not match its configuration");
+      throw JournalError("its header has " + std::to_string(rows_.size()) + " rows of up to " +
+                         std::to_string(per_row) + " axes, but its configuration has " +
+                         std::to_string(bank_.size()) + " axes");
     }
   }
 
@@ -77,14 +79,16 @@ class Replay {
     while (agrees) {
       const auto record = reader_.next();
       if (!record) break;
-      if (ended_) throw JournalError("data follows after its end");
+      if (ended_)
+        throw JournalError("it has data after its end mark: it was modified, or files were joined");
       agrees = std::visit(
           [this](const auto& content) {
             return apply(content);
           },
           *record);
     }
-    if (ended_ && reader_.torn_bytes() > 0) throw JournalError("data follows after its end");
+    if (ended_ && reader_.torn_bytes() > 0)
+      throw JournalError("it has data after its end mark: it was modified, or files were joined");
     const std::chrono::duration<double> wall = std::chrono::steady_clock::now() - begin;
     result_.agrees = agrees;
     result_.is_complete = lost_ == 0 && ended_;
@@ -191,7 +195,7 @@ class Replay {
   }
 
   void require_start() const {
-    if (!started_) throw JournalError("it does not begin with a snapshot");
+    if (!started_) throw JournalError("its first record is not a snapshot");
   }
 
   [[nodiscard]] std::string name_of(std::size_t axis) const {
@@ -207,8 +211,8 @@ class Replay {
     const auto column = static_cast<std::size_t>(
         std::ranges::mismatch(digest.members, tick.digest.members).in1 - digest.members.begin());
     if (row == rows_.size() || column == kStatusMembers) {
-      return "the status differs from the recorded one; the journal does not show in which axis or "
-             "member";
+      return "the status differs from the recorded one; the recorded checks do not show in which "
+             "axis or member";
     }
     const StatusMember& member = status_members()[column];
     const std::size_t per_row = reader_.start().axes_per_row;
@@ -230,7 +234,7 @@ class Replay {
         std::chrono::duration<double>(bank_.period()).count() * static_cast<double>(result_.ticks);
     std::string text = std::to_string(result_.ticks) + " ticks of " + std::to_string(bank_.size()) +
                        " axes, " + std::to_string(result_.changes) +
-                       " changes: every hash agrees, " +
+                       " changes: all checks agree, " +
                        speed_text(wall > 0.0 ? drive / wall : 0.0) + " x real time";
     if (!ended_) {
       text += "; the journal ends early, without an end mark: " + std::to_string(result_.ticks) +

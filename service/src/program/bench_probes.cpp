@@ -10,7 +10,7 @@
 namespace vdrive::service {
 namespace {
 
-constexpr const char* kNotAnnounced = "is not announced: it starts or ends";
+constexpr const char* kNotAnnounced = "is starting or stopping";
 
 std::string seconds_text(Standstill::Clock::duration time) {
   return std::to_string(std::chrono::duration_cast<std::chrono::seconds>(time).count()) + " s";
@@ -25,8 +25,8 @@ ProbeAnswer alive(const BenchRun& run, std::optional<Standstill>& standstill) {
   const Standstill::Longest longest = standstill->look(now);
   if (longest.time <= kLongestStandstill) return {.is_good = true, .text = bench + "is alive"};
   return {.is_good = false,
-          .text = bench + "hangs: its " + std::string(longest.name) + " have stood still for " +
-                  seconds_text(longest.time)};
+          .text = bench + "hangs: no progress for " + seconds_text(longest.time) + " (" +
+                  std::string(longest.name) + ")"};
 }
 
 ProbeAnswer ready(const BenchRun& run) {

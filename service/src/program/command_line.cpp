@@ -119,7 +119,7 @@ std::string take_rate(std::string& text) {
   const auto rate = parse_number(text);
   const bool is_good = rate && (*rate == 0.0 || (*rate >= kLowestRate && *rate <= kHighestRate));
   if (!is_good) {
-    return "'" + text + "' must be 0 = paused, or from " + range(kLowestRate, kHighestRate);
+    return "'" + text + "' must be 0 (paused) or from " + range(kLowestRate, kHighestRate);
   }
   text = to_text(*rate);
   return {};
@@ -142,13 +142,14 @@ void declare_bench(CLI::App& app, Arguments& arguments) {
                                                    static_cast<double>(kLongestPeriod.count())))
       ->transform(whole_number(kShortestPeriod.count(), kLongestPeriod.count()))
       ->type_name("US");
-  app.add_option("--rate", arguments.rate,
-                 "realtime: 0 = paused, " + range(kLowestRate, kHighestRate))
+  app.add_option(
+         "--rate", arguments.rate,
+         "realtime: drive time over wall time, 0 (paused) or " + range(kLowestRate, kHighestRate))
       ->transform(CLI::Validator(take_rate, ""))
       ->type_name("R");
   app.add_option("--steppers", arguments.steppers,
-                 "lockstep: time begins to pass once N programs have joined the clock, " +
-                     range(0, kMaxSteppers) + "; 0 = it waits for none")
+                 "lockstep: time stands still until N programs have joined the clock, " +
+                     range(0, kMaxSteppers) + "; 0 = no wait")
       ->transform(whole_number(0, kMaxSteppers))
       ->type_name("N");
   app.add_option("--bench", arguments.bench,
@@ -161,7 +162,8 @@ void declare_bench(CLI::App& app, Arguments& arguments) {
       ->transform(whole_number(1, static_cast<std::int64_t>(kMaxAxes)))
       ->type_name("N");
   app.add_option("--preset", arguments.preset,
-                 "Machine of these axes, one without --axes: " + choice_of(preset_names()))
+                 "Preset machine for the axes (1 axis unless --axes is given): " +
+                     choice_of(preset_names()))
       ->type_name("NAME");
 }
 
@@ -187,12 +189,11 @@ void declare_program(CLI::App& app, Arguments& arguments) {
                  "Directory for stored parameters; default: $STATE_DIRECTORY; without a directory "
                  "nothing can be stored")
       ->type_name("DIR");
-  app.add_option("--journal", arguments.journal,
-                 "Record what the axes do into a new file, for --replay")
+  app.add_option("--journal", arguments.journal, "Record a journal to a new file, for --replay")
       ->type_name("FILE");
   app.add_option("--replay", arguments.replay,
-                 "Run the axes of a journal again and compare every tick. Exit code 0: all ticks "
-                 "agree; 1: a tick differs or is missing; 2: the journal cannot be used")
+                 "Replay a journal and compare every tick. Exit code 0: all ticks agree; 1: a tick "
+                 "differs or is missing; 2: the journal cannot be used")
       ->type_name("FILE");
   app.add_option("--wire", arguments.wire,
                  "Where DDS runs: in a separate process, which the service restarts when it ends, "
@@ -202,7 +203,8 @@ void declare_program(CLI::App& app, Arguments& arguments) {
       ->type_name("FORM");
   app.add_option("--wire-process", arguments.wire_process)->group("");  // used by the spawner
   app.add_flag("--without-guard", arguments.without_guard)->group("");  // only for tests
-  app.add_option("--log-level", arguments.log_level, "What to log on standard error")
+  app.add_option("--log-level", arguments.log_level,
+                 "Level of the log, which goes to standard error")
       ->check(one_of({"debug", "info", "warn", "error", "off"}))
       ->capture_default_str();
 }
@@ -371,7 +373,9 @@ void end_in_time(int exit_code) {
   std::thread([exit_code, log = spdlog::default_logger()] {
     constexpr std::chrono::milliseconds kLongest{1'950};  // a service must end within 2 s
     std::this_thread::sleep_for(kLongest);
-    log->warn("text=\"the DDS library did not end in time\"");
+    log->warn(
+        "text=\"the DDS library did not shut down within {} ms; the process exits without it\"",
+        kLongest.count());
     _exit(exit_code);
   }).detach();
 }
@@ -407,13 +411,16 @@ int serve(const Configuration& configuration, const Arguments& arguments) {
   }
   service.stop();
   if (older) {
-    throw BenchNumberTaken("bench " + std::to_string(configuration.bench) +
-                           " belongs to a service that started earlier: " + service.older_text() +
-                           "; end that service, or choose another number with --bench");
+    throw BenchNumberTaken(
+        "bench " + std::to_string(configuration.bench) + " is already served in domain " +
+        std::to_string(configuration.network.domain) + " by " + service.older_text() +
+        ", which started earlier; stop that service, or choose another number with --bench");
   }
   if (is_cut_off) {
     // A confined process may not start programs, so only a new run can start another spawner.
-    throw std::runtime_error("the process that starts the network process has ended");
+    throw std::runtime_error(
+        "the process that starts the network process has ended, so the network process cannot be "
+        "restarted; start vdrived again");
   }
   return kDone;
 }
@@ -456,7 +463,7 @@ int carry_out(const Arguments& arguments) {
       std::cerr << "vdrived: warning: " << warning << '\n';
     }
     for (const std::string& line : mechanics_table(configuration)) std::cout << line << '\n';
-    std::cout << escaped(*arguments.check, kShownOfMessage) << ": good\n";
+    std::cout << escaped(*arguments.check, kShownOfMessage) << ": valid\n";
     return kDone;
   }
   const Configuration configuration = effective_configuration(arguments);
@@ -477,8 +484,7 @@ std::string unexpected_text(const CLI::App& app, const std::string& argument) {
     const bool has_file = app.count("--config") != 0 || app.count("--check") != 0;
     if (has_file) return in_quotes(argument) + " is one argument too many";
     return in_quotes(argument) +
-           " is not an option; a configuration is named by --config: vdrived "
-           "--config " +
+           " is one argument too many; to use it as the configuration: vdrived --config " +
            escaped(argument);
   }
   const std::string name = argument.substr(0, argument.find('='));
@@ -512,7 +518,7 @@ std::optional<std::string> check_without_file(const std::vector<std::string_view
   } else if (config != words.end() && is_value(std::next(config))) {
     file = escaped(*std::next(config), kShownOfMessage);
   }
-  return "--check takes the file itself: vdrived --check " + file;
+  return "--check needs the file itself: vdrived --check " + file;
 }
 
 /// Parses and carries out the command line, and reports errors. @return the exit code

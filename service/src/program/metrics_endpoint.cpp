@@ -53,7 +53,7 @@ Response page(beast::string_view path, const Metrics& metrics, const Probes& pro
     response.body() = prometheus::TextSerializer().Serialize(metrics.Collect());
   } else {
     response.result(http::status::not_found);
-    response.body() = "the metrics are at /metrics, the answers to probes at /livez and /readyz\n";
+    response.body() = "not found; metrics: /metrics, probes: /livez and /readyz\n";
   }
   return response;
 }

@@ -44,7 +44,7 @@ void ServiceManager::report_alive() const noexcept {
 }
 
 void ServiceManager::report_stopping() const noexcept {
-  notify("STOPPING=1\nSTATUS=the axes brake");
+  notify("STOPPING=1\nSTATUS=stopping: the axes are braking");
 }
 
 // NOLINTEND(readability-convert-member-functions-to-static)

@@ -68,7 +68,8 @@ std::string clock_text(const EventRecord& event) {
   switch (event.code) {
     case wire::number(msg::RequestKind::set_rate): {
       const double rate = detail_of<NewRate>(event).value;
-      return rate == 0.0 ? "paused by " + session : "rate " + to_text(rate) + " set by " + session;
+      return rate == 0.0 ? "clock paused by " + session
+                         : "rate set to " + to_text(rate) + " by " + session;
     }
     case wire::number(msg::RequestKind::join_clock):
       return session + " joined the clock";
@@ -79,7 +80,7 @@ std::string clock_text(const EventRecord& event) {
     case Parting::silent:
       return session + " was removed from the clock: it sent nothing while others waited for it";
     case Parting::gone:
-      return session + " was removed from the clock: its program has ended";
+      return session + " was removed from the clock: its program left the network";
     default:
       return session + " left the clock";
   }
@@ -92,7 +93,9 @@ std::string wall_clock_text(const EventRecord& event) {
                             (offset < 0.0 ? " s behind" : " s ahead of");
   if (event.code == WallClockCode::kJumped) return place + " drive time; the tick number jumps";
   const auto seconds = static_cast<std::uint64_t>(std::abs(offset) / kMaxSteering);
-  return place + " drive time; drive time is adjusted for about " + std::to_string(seconds) + " s";
+  return place + " drive time; drive time is adjusted by " +
+         std::to_string(std::lround(kMaxSteering * 1e6)) + " ppm for about " +
+         std::to_string(seconds) + " s";
 }
 
 std::string stop_text(const EventRecord& event) {
@@ -100,7 +103,7 @@ std::string stop_text(const EventRecord& event) {
   const std::string by =
       event.session == 0 ? "a client without a session" : "session " + session_text(event.session);
   return how + " by " + by + "; session " + session_text(detail_of<Label>(event).value) +
-         " stays in control";
+         " keeps control";
 }
 
 std::string snapshot_text(const EventRecord& event) {
@@ -113,24 +116,25 @@ std::string snapshot_text(const EventRecord& event) {
 std::string journal_text(const EventRecord& event) {
   switch (event.code) {
     case JournalCode::kLosing:
-      return "the journal is too slow: ticks are missing from this tick on";
+      return "the journal cannot keep up: it misses ticks from here on";
     case JournalCode::kResumed:
       return "the journal continues; " + counted(event, "tick is missing", "ticks are missing");
     default:
-      return "the journal ended: " + detail_of<SystemError>(event).text();
+      return "the journal cannot be written: " + detail_of<SystemError>(event).text() +
+             "; recording has stopped";
   }
 }
 
 std::string parameters_text(const EventRecord& event) {
   switch (event.code) {
     case ParameterCode::kLoaded:
-      return "stored parameters of " + counted(event, "axis", "axes") + " are in force";
+      return "stored parameters loaded for " + counted(event, "axis", "axes");
     case ParameterCode::kPrevious:
-      return "the file of stored parameters cannot be used: " +
-             detail_of<StoredProblem>(event).text() + "; the previous set is in force";
+      return "the parameter file cannot be used: " + detail_of<StoredProblem>(event).text() +
+             "; the previous set is used";
     case ParameterCode::kDefaults:
-      return "configured values are in force: " +
-             std::string(event.axis == 0 ? "the file of stored parameters: " : "stored object ") +
+      return "configured values are used instead of stored ones: " +
+             std::string(event.axis == 0 ? "parameter file: " : "stored object ") +
              detail_of<StoredProblem>(event).text();
     default:
       return "parameters not stored: " + detail_of<SystemError>(event).text();
@@ -169,10 +173,10 @@ std::string ignored_text(const EventRecord& event) {
 std::string overrun_text(const EventRecord& event) {
   const auto [count, worst, span] = detail_of<Overruns>(event);
   const std::string late = std::to_string(worst.count()) + " us";
-  if (count == 1) return "tick ended " + late + " too late";
+  if (count == 1) return "tick ended " + late + " late";
   const std::chrono::duration<double> seconds = span;
   return std::to_string(count) + " ticks in " + to_text(seconds.count()) +
-         " s ended too late, by up to " + late;
+         " s ended late, by up to " + late;
 }
 
 std::string jump_text(const EventRecord& event) {
@@ -180,16 +184,16 @@ std::string jump_text(const EventRecord& event) {
 }
 
 std::string overflow_text(const EventRecord& event) {
-  return counted(event, "message", "messages") + " lost: a queue was full";
+  return counted(event, "message", "messages") + " lost because a queue was full";
 }
 
 std::string conflict_text(const EventRecord& event) {
-  return "another service has this bench number, incarnation " +
-         std::to_string(detail_of<Label>(event).value);
+  return "another service has the same bench number (incarnation " +
+         std::to_string(detail_of<Label>(event).value) + ")";
 }
 
 std::string shutdown_text(const EventRecord& /*event*/) {
-  return "the service shuts down: its axes brake, commands are refused";
+  return "the service is shutting down: its axes brake, commands are refused";
 }
 
 /// The text and the log level of a kind of event.

@@ -56,7 +56,10 @@ void prepare_tick_thread(int priority) {
   if (priority == 0) return;
   const sched_param parameters{.sched_priority = priority};
   if (pthread_setschedparam(pthread_self(), SCHED_FIFO, &parameters) != 0) {
-    log_warning("realtime_priority={} not permitted; the tick thread runs without it", priority);
+    log_warning(
+        "realtime_priority={} not permitted (RLIMIT_RTPRIO); the tick thread runs with normal "
+        "priority",
+        priority);
   }
 }
 
@@ -122,7 +125,7 @@ void BenchRun::start() {
     throw BenchNumberTaken(
         "bench " + std::to_string(identity_.bench) + " is already served in domain " +
         std::to_string(configuration_.network.domain) + " by " + duplicates_.older_text() +
-        "; end that service, or choose another number with --bench");
+        ", which started earlier; stop that service, or choose another number with --bench");
   }
   if (journal_) engine_.record_to(*journal_);
   if (parameters_.saver) {

@@ -27,8 +27,8 @@ void DuplicateNumberDetector::keep_place(std::span<const std::byte> bytes) {
 
 std::string DuplicateNumberDetector::older_text() const {
   const std::lock_guard lock(mutex_);
-  const std::string place = place_.empty() ? "a service that does not say where it runs"
-                                           : escaped(place_, kShownOfMessage);
+  const std::string place =
+      place_.empty() ? "a service at an unknown place" : escaped(place_, kShownOfMessage);
   return place + " (incarnation " + std::to_string(older_) + ")";
 }
 

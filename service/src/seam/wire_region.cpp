@@ -88,7 +88,7 @@ std::span<std::byte> map(int descriptor, std::size_t size) {
   // MAP_FAILED is a cast of -1.
   void* const memory = mmap(nullptr, size, PROT_READ | PROT_WRITE, flags, descriptor, 0);
   if (memory == MAP_FAILED) {  // NOLINT(*-cstyle-cast, performance-no-int-to-ptr)
-    fail("memory between engine and wire");
+    fail("shared memory of engine and wire");
   }
   return {static_cast<std::byte*>(memory), size};
 }
@@ -100,7 +100,7 @@ int shared_memory(std::size_t size) {
   if (descriptor < 0 || ftruncate(descriptor, static_cast<off_t>(size)) != 0 ||
       fcntl(descriptor, F_ADD_SEALS, F_SEAL_SHRINK | F_SEAL_GROW | F_SEAL_SEAL) !=
           0) {  // NOLINT(*-vararg)
-    fail("memory between engine and wire");
+    fail("shared memory of engine and wire");
   }
   return descriptor;
 }
@@ -144,8 +144,8 @@ WireRegion::WireRegion(const WireSettings& settings, Sharing sharing)
   memory_ = map(descriptor_, size);
   control_ = new (memory_.data()) WireControl;  // NOLINT(*-owning-memory): it lies in the region
   if (settings_.size() > control_->settings.size()) {
-    throw std::runtime_error("network settings of " + std::to_string(settings_.size()) +
-                             " bytes: at most " + std::to_string(control_->settings.size()));
+    throw std::runtime_error("the network settings have " + std::to_string(settings_.size()) +
+                             " bytes; the limit is " + std::to_string(control_->settings.size()));
   }
   prepare_for(0);
 }
@@ -178,15 +178,17 @@ WireRegion::WireRegion(int descriptor, std::span<std::byte> memory,
 WireRegion WireRegion::attach(int descriptor) {
   struct stat status {};
 
-  if (fstat(descriptor, &status) != 0) fail("memory of the engine");
+  if (fstat(descriptor, &status) != 0) fail("shared memory of engine and wire");
   const auto size = static_cast<std::size_t>(status.st_size);
   if (size <= kFixedSize || !std::has_single_bit(size - kFixedSize)) {
-    throw std::runtime_error("memory of the engine: another version, " + std::to_string(size) +
-                             " bytes");
+    throw std::runtime_error("the shared memory of the engine has a different version (" +
+                             std::to_string(size) + " bytes); restart vdrived after an upgrade");
   }
   WireRegion region(descriptor, map(descriptor, size), size - kFixedSize);
   if (region.control().layout != kLayout) {
-    throw std::runtime_error("memory of the engine: another version");
+    throw std::runtime_error(
+        "the shared memory of the engine has a different version; restart vdrived after an "
+        "upgrade");
   }
   return region;
 }

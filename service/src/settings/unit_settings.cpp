@@ -27,18 +27,17 @@ struct UnitEntries {
 constexpr auto kUnitRows = std::to_array<Row<UnitEntries>>({
     key<&UnitEntries::kind>(
         "kind", kOneOf<UnitKind::rotary, UnitKind::linear>,
-        "What the user units of the axis are: rotary (parts of a revolution) or linear (parts of a "
-        "length). Programs convert; the drive does not use it.",
+        "Kind of the user units of the axis: rotary (fractions of a revolution) or linear "
+        "(fractions of a length). Programs convert; the drive does not use it.",
         {.needed = "a unit needs a kind: rotary or linear"}),
     key<&UnitEntries::name>(
         "name", Any{},
-        "In which positions are shown. rotary: deg, rad or rev; linear: letters, such as mm, at "
-        "most 16 bytes; the key is needed. m, cm, mm and um follow from each other."),
+        "Unit in which positions are shown. rotary: deg, rad or rev; linear: required, letters, "
+        "such as mm, at most 16 bytes. m, cm, mm and um follow from each other."),
     key<&UnitEntries::per_revolution>(
         "per_revolution", Any{}, "rotary: user units in a revolution of the load, 1e-06 to 1e+09."),
     key<&UnitEntries::per_unit>("per_unit", Any{},
-                                "linear: user units in one unit, 1e-06 to 1e+09. Default: none, a "
-                                "linear axis needs it."),
+                                "linear: required, user units in one unit, 1e-06 to 1e+09."),
 });
 
 }  // namespace
@@ -51,7 +50,7 @@ void read_value(const YamlValue& value, const Any& /*rule*/, Unit& unit) {
   const auto& size = is_linear ? per_unit : per_revolution;
   const auto& other = is_linear ? per_revolution : per_unit;
   if (other) {
-    other->refuse("belongs to the other kind; a " + std::string(to_string(kind)) + " unit has " +
+    other->refuse("cannot be used with kind: " + std::string(to_string(kind)) + "; use " +
                   std::string(size_key(kind)));
   }
   if (is_linear && (!name || !size)) {

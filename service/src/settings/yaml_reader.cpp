@@ -68,7 +68,7 @@ class DocumentCheck : public YAML::EventHandler {
 
   void OnAlias(const YAML::Mark& mark, YAML::anchor_t anchor) override {
     const auto named = sizes_.find(anchor);
-    if (named == sizes_.end()) refuse(mark, "an alias stands in what it names");
+    if (named == sizes_.end()) refuse(mark, "an alias refers to a node that contains it");
     count(mark, YAML::NullAnchor, named->second);
   }
 
@@ -167,21 +167,21 @@ std::string read_yaml_file(const std::filesystem::path& file) {
   const auto refuse = [&file](const std::string& problem) {
     throw ConfigurationError(escaped(file.string(), kShownOfMessage) + ": " + problem);
   };
-  const std::string limit = "; at most " + std::to_string(kLargestSettingsFile) + " are read";
+  const std::string limit = std::to_string(kLargestSettingsFile);
   std::ifstream stream(file, std::ios::binary);
   if (!stream) refuse("cannot be read: " + std::generic_category().message(errno));
   if (std::filesystem::is_directory(file)) refuse("is a directory, not a file");
   std::error_code has_no_size;
   const std::uintmax_t size = std::filesystem::file_size(file, has_no_size);
   if (!has_no_size && size > kLargestSettingsFile) {
-    refuse("has " + std::to_string(size) + " bytes" + limit);
+    refuse("has " + std::to_string(size) + " bytes; the limit is " + limit);
   }
   std::string text(kLargestSettingsFile + 1, '\0');
   stream.read(text.data(), static_cast<std::streamsize>(text.size()));
   if (stream.bad()) refuse("cannot be read");
   text.resize(static_cast<std::size_t>(stream.gcount()));
   if (text.size() > kLargestSettingsFile) {  // a pipe, or a file that grows
-    refuse("has more than " + std::to_string(kLargestSettingsFile) + " bytes" + limit);
+    refuse("has more bytes than the limit, " + limit);
   }
   return text;
 }
@@ -194,7 +194,7 @@ YAML::Node read_yaml(const std::string& text, const std::string& file_name) {
   } catch (const YAML::Exception& error) {
     const auto line = static_cast<std::size_t>(error.mark.line) + 1;
     if (const std::size_t tab = first_line_with_tab(text, line); tab != 0) {
-      refuse_line(file_name, tab, "a tab indents this line; YAML needs blanks");
+      refuse_line(file_name, tab, "this line is indented with a tab; YAML allows only spaces");
     }
     refuse_line(file_name, line, escaped(error.msg, kShownOfMessage));
   }

@@ -100,9 +100,8 @@ ParameterStore::ParameterStore(std::filesystem::path directory, std::uint32_t be
                                   : "cannot be used: " + error.code().message());
   }
   if (const auto holder = lock()) {
-    refuse("the parameters of bench " + std::to_string(bench) +
-           " are in use by another bench, of a vdrived or in a process: " + *holder +
-           "; end it, or give each a directory of its own");
+    refuse("the parameters of bench " + std::to_string(bench) + " are in use by " + *holder +
+           "; stop it, or use a different state directory");
   }
 }
 
@@ -118,7 +117,7 @@ void ParameterStore::require_private(int opened, const std::filesystem::path& pa
     case FileOperations::Privacy::kept:
       return;
     case FileOperations::Privacy::narrowed:
-      log_info("{}: other users had rights to it; now only its owner has", path.string());
+      log_info("{}: removed the permissions of other users", path.string());
       return;
     case FileOperations::Privacy::foreign:
       refuse(escaped(path.filename().string()) +
@@ -151,8 +150,8 @@ std::optional<std::string> ParameterStore::lock() {
     lock_ = opened.release();
   } catch (const std::system_error& error) {
     if (is_error(error, ELOOP)) refuse(name_ + ".lock is a symbolic link, which is not followed");
-    log_warning("state directory {}: not locked, nothing can be stored: {}", directory_.string(),
-                error.what());
+    log_warning("state directory {}: cannot be locked, so parameters cannot be stored: {}",
+                directory_.string(), error.what());
   }
   return std::nullopt;
 }
@@ -172,7 +171,9 @@ ParameterTable ParameterStore::read(const std::filesystem::path& file) {
       content.insert(content.end(), part.begin(),
                      part.begin() + static_cast<std::ptrdiff_t>(count));
       if (content.size() > kLargestParameterFile) {
-        throw ParameterFileError(ParameterProblem::too_large, content.size(), "it grows");
+        throw ParameterFileError(
+            ParameterProblem::too_large, content.size(),
+            "it grew beyond " + std::to_string(kLargestParameterFile) + " bytes while it was read");
       }
     }
     return decode(content);
@@ -242,7 +243,8 @@ void ParameterStore::keep_aside() {
 
 void ParameterStore::save(const ParameterTable& table) {
   if (lock_ < 0 && (lock() || lock_ < 0)) {
-    throw std::system_error(EROFS, std::generic_category(), "no lock on " + directory_.string());
+    throw std::system_error(EROFS, std::generic_category(),
+                            "state directory " + directory_.string() + " is not locked");
   }
   put_back();
   const std::string content = encode(table);
@@ -251,9 +253,11 @@ void ParameterStore::save(const ParameterTable& table) {
   try {
     sync_directory();
   } catch (const std::system_error&) {
-    attempt("after a restart the refused set may be in force", [this, &replaced] {
-      take_back(replaced);
-    });
+    attempt(
+        "a failed save could not be reverted; the refused parameters may be used after a restart",
+        [this, &replaced] {
+          take_back(replaced);
+        });
     throw;
   }
 }
@@ -344,7 +348,7 @@ std::unique_ptr<ParameterStore> open_parameter_store(const std::optional<std::st
     path.resize(std::min(path.size(), path.find(':')));
     if (path.empty()) return nullptr;
   }
-  if (path.empty()) throw ConfigurationError("--state: the name of a directory is missing");
+  if (path.empty()) throw ConfigurationError("--state: the name of the directory is empty");
   return std::make_unique<ParameterStore>(path, bench);
 }
 

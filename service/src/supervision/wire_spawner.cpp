@@ -200,11 +200,11 @@ class ForkServer {
 WireSpawner::WireSpawner(int region) {
   std::array<int, 2> ends{};
   if (socketpair(AF_UNIX, SOCK_SEQPACKET | SOCK_CLOEXEC, 0, ends.data()) != 0) {
-    fail("start of the wire's process");
+    fail("starting the spawner of the network process");
   }
   const pid_t engine = getpid();
   process_ = fork();
-  if (process_ < 0) fail("start of the wire's process");
+  if (process_ < 0) fail("starting the spawner of the network process");
   if (process_ == 0) {
     // A stopped spawner would not notice that the engine is gone.
     prctl(PR_SET_PDEATHSIG, SIGKILL);  // NOLINT(*-vararg)
@@ -219,7 +219,7 @@ WireSpawner::WireSpawner(int region) {
   close(ends[1]);
   socket_ = ends[0];
   descriptor_ = static_cast<int>(syscall(SYS_pidfd_open, process_, 0));  // NOLINT(*-vararg)
-  if (descriptor_ < 0) fail("start of the wire's process");
+  if (descriptor_ < 0) fail("starting the spawner of the network process");
 }
 
 WireSpawner::~WireSpawner() {

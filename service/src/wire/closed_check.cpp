@@ -56,13 +56,13 @@ void check_closed(wire::Participant& participant, const wire::NetworkSettings& s
   Visitor member(settings, "vdrived self-test: member");
   if (!member.receives_from(bench, kLongestMatch) || !member.is_received_by(bench, kLongestMatch)) {
     throw wire::NetworkError(
-        "network security: self-test: a participant with the material of this service does not "
-        "find the service; check that its permissions allow every topic of a service");
+        "network security: self-test: a participant with the credentials of this service cannot "
+        "discover it; check that its permissions allow every topic of a service");
   }
   if (stranger.receives_from(bench, kLeeway) || stranger.is_received_by(bench, 0ms)) {
     throw wire::NetworkError(
-        "network security: self-test: a participant without material finds this service, so the "
-        "bench is open; check that the DDS library of this machine has DDS Security");
+        "network security: self-test: a participant without credentials discovers this service, so "
+        "the bench is open; check that the DDS library of this machine has DDS Security");
   }
 }
 

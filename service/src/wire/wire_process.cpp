@@ -45,8 +45,8 @@ void volunteer_for_the_kernel() {
   if (file >= 0) {
     if (write(file, kFirst.data(), kFirst.size()) < 0) {
       log_debug(
-          "the kernel does not permit that the wire is the first process to end when memory runs "
-          "out");
+          "cannot raise oom_score_adj: when memory runs out, the kernel may not end the network "
+          "process first");
     }
     close(file);
   }
@@ -183,8 +183,9 @@ class WireProcess {
       }
     }
     if (troubles.empty() && !known.empty()) {
-      log_info("network=good bench={} text=\"names resolve, a discovery server answers\"",
-               settings_.bench);
+      log_info(
+          "network=good bench={} text=\"host names resolve and discovery servers answer again\"",
+          settings_.bench);
     }
     known = std::move(troubles);
   }

@@ -260,8 +260,10 @@ void WireProgram::drop(const RecordHead& head) {
   if (const auto suppressed = drop_log_.pass(Clock::now().time_since_epoch())) {
     std::string party;
     for (const std::uint8_t byte : head.party.participant) party += fmt::format("{:02x}", byte);
-    log_warning("reply=dropped bench={} participant={} suppressed={} text=\"it has no reader\"",
-                bench_, party, *suppressed);
+    log_warning(
+        "reply=dropped bench={} participant={} suppressed={} text=\"its client did not subscribe "
+        "within 1 s, or too many answers were waiting\"",
+        bench_, party, *suppressed);
   }
 }
 
