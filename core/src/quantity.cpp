@@ -49,10 +49,8 @@ const DimensionWords& words_of(Dimension dimension) {
 /// A drive has no half user unit: rounding silently would not do what was written.
 [[noreturn]] void refuse_fraction(std::string_view text, Dimension dimension) {
   throw std::invalid_argument(
-      in_quotes(text) +
-      " is a fraction: user units are whole numbers; a value with a unit of the axis, "
-      "for example " +
-      std::string(words_of(dimension).example) + ", is rounded to them");
+      in_quotes(text) + " is a fraction, but user units are whole numbers: write for example " +
+      std::string(words_of(dimension).example) + "; a value with a unit is rounded");
 }
 
 /// @return the unit of the position, which follows the number.
@@ -140,7 +138,7 @@ std::string advice_on(ObjectAddress object, AbortCode code, const Unit& unit) {
   const bool is_of_limits = code != AbortCode::subindex_does_not_exist && !plain.empty();
   if (!is_of_limits || !row || !dimension_of(*row)) return plain;
   const ObjectDescription& limited = describe(*row);
-  return std::string(limited.variable_name) + " takes " +
+  return std::string(limited.variable_name) + " accepts " +
          object_value_text(*row, limited.lower_limit, unit) + " to " +
          object_value_text(*row, limited.upper_limit, unit);
 }

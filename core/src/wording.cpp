@@ -71,7 +71,9 @@ std::string choice_of(const std::vector<std::string>& words) {
 
 std::string refusal_of_choice(std::string_view text, const std::vector<std::string>& words) {
   if (std::ranges::find(words, text) != words.end()) return {};
-  return std::string(text) + " not in " + choice_of(words) + suggestion(text, words);
+  std::string list;
+  for (const std::string& word : words) list += (list.empty() ? "" : ", ") + word;
+  return "'" + std::string(text) + "' must be one of " + list + suggestion(text, words);
 }
 
 std::string take_integer(std::string& text, std::int64_t lowest, std::int64_t highest) {

@@ -187,7 +187,8 @@ class Parser:
     def new_name(self, what, known):
         token = self.word(what)
         if "::" in token.text or token.text in known:
-            raise Refused(token.line, f"{token.text!r} is no new name of {what}")
+            raise Refused(token.line, f"{token.text!r} cannot be the name of {what}: "
+                          "it is already used, or contains '::'")
         return token.text
 
     def number(self, kind=int):
@@ -236,13 +237,13 @@ class Parser:
             self.constant(help_text, tags.get("@enumeration", []))
         elif self.take("@final"):
             if tags:
-                raise Refused(self.peek().line, f"{next(iter(tags))} stands over a struct")
+                raise Refused(self.peek().line, f"{next(iter(tags))} must not be above a struct")
             self.need("struct")
             self.struct(help_text)
         else:
             token = self.peek()
             reason = "a struct is @final" if token.text == "struct" else \
-                f"{token.text!r} begins no module, constant or @final struct"
+                f"a module, constant or @final struct is expected, not {token.text!r}"
             raise Refused(token.line, reason)
 
     def constant(self, help_text, enumeration):

@@ -25,7 +25,7 @@ std::uint32_t default_domain() {
   const auto [end, error] = std::from_chars(digits.begin(), digits.end(), domain);
   if (error == std::errc() && end == digits.end() && domain <= kHighestDomain) return domain;
   throw std::runtime_error("VDRIVE_DOMAIN in the environment is " + in_quotes(digits) +
-                           ": a DDS domain is a number from 0 to " +
+                           ": a DDS domain must be a number from 0 to " +
                            std::to_string(kHighestDomain));
 }
 

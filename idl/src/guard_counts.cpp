@@ -8,7 +8,7 @@ namespace vdrive::wire {
 
 std::string_view describe(Refusal refusal) noexcept {
   constexpr std::array<std::string_view, kRefusals> kWords{
-      "it passes",
+      "accepted",
       "no RTPS header of version 2",
       "a submessage that ends outside of the datagram or is too short",
       "a submessage of an unknown kind",
@@ -18,11 +18,11 @@ std::string_view describe(Refusal refusal) noexcept {
       "a set of more than 256 numbers",
       "a DATA submessage without content",
       "fragments that do not fit their sample",
-      "a list of parameters that does not end",
+      "an unterminated parameter list",
       "an announcement without a lease, in pieces or in the name of another participant",
       "more participants than the guard keeps",
-      "an encrypted part whose lengths or order are not those of one",
-      "a token or handshake whose counts or lengths exceed it, or in pieces",
+      "an encrypted part with wrong lengths or order",
+      "a token or handshake message that is fragmented or has a count or length beyond its size",
       "unencrypted content in the closed mode",
       "a sequence number far from all that its writer has sent"};
   const auto kind = static_cast<std::size_t>(refusal);

@@ -27,9 +27,9 @@ std::unique_ptr<Participant> make_network_participant(const NetworkSettings& set
   const ParticipantMaker maker = provided();
   if (maker == nullptr) {
     throw NetworkError(
-        "this program has no DDS library, so it reaches benches of its own process only: give the "
-        "session the bus of one (SessionOptions::bus), or link vdrive::client, which has DDS "
-        "(CMake: find_package(vdrive COMPONENTS client))");
+        "this program has no DDS library, so it can reach only benches in the same process: pass "
+        "the bus of a bench (SessionOptions::bus), or link vdrive::client, which has DDS (CMake: "
+        "find_package(vdrive COMPONENTS client))");
   }
   return maker(network, name);
 }

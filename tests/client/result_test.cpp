@@ -151,7 +151,7 @@ TEST_F(DefaultDomain, RefusesTextThatIsNotADomain) {
   for (const char* const text : {"233", "-1", "5x", "x", " 5", "99999999999"}) {
     set(text);
     EXPECT_EQ(refusal(), std::string("VDRIVE_DOMAIN in the environment is '") + text +
-                             "': a DDS domain is a number from 0 to 232");
+                             "': a DDS domain must be a number from 0 to 232");
   }
   set("");
   EXPECT_THAT(refusal(), HasSubstr("VDRIVE_DOMAIN in the environment is set, but empty"));

@@ -573,14 +573,14 @@ TEST(ValuesOfAnObject, AreThoseThatTheDriveTakes) {
 
 TEST(AdviceOnARefusal, NamesTheSubIndicesAndTheValues) {
   EXPECT_EQ(advice_on({0x607D, 0}, AbortCode::subindex_does_not_exist),
-            "607Dh has the sub-indices 1 and 2");
+            "607Dh has sub-indices 1 and 2");
   EXPECT_EQ(advice_on({0x5E10, 9}, AbortCode::subindex_does_not_exist),
-            "5E10h has the sub-indices 1, 2, 3, 4 and 5");
+            "5E10h has sub-indices 1, 2, 3, 4 and 5");
   EXPECT_EQ(advice_on({0x6081, 1}, AbortCode::subindex_does_not_exist),
-            "6081h has the sub-index 0 only");
+            "6081h has only sub-index 0");
   EXPECT_EQ(advice_on({0x60F2, 0}, AbortCode::value_range_exceeded),
-            "positioning_option_code takes 0, 1 or 2");
-  EXPECT_EQ(advice_on({0x605D, 0}, AbortCode::value_too_high), "halt_option_code takes 1 to 4");
+            "positioning_option_code accepts 0, 1 or 2");
+  EXPECT_EQ(advice_on({0x605D, 0}, AbortCode::value_too_high), "halt_option_code accepts 1 to 4");
   EXPECT_EQ(advice_on({0x6041, 0}, AbortCode::write_of_read_only_object), "");
   EXPECT_EQ(advice_on({0x9999, 0}, AbortCode::object_does_not_exist), "");
 }

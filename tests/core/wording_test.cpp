@@ -43,9 +43,9 @@ TEST(PrefixedLines, SayOfEachLineWhoseItIs) {
 
 TEST(RefusalOfAChoice, NamesTheWordsAndTheNearestOne) {
   EXPECT_EQ(refusal_of_choice("dds", {"local", "dds"}), "");
-  EXPECT_EQ(refusal_of_choice("air", {"local", "dds"}), "air not in {local,dds}");
+  EXPECT_EQ(refusal_of_choice("air", {"local", "dds"}), "'air' must be one of local, dds");
   EXPECT_EQ(refusal_of_choice("locl", {"local", "dds"}),
-            "locl not in {local,dds} (did you mean 'local'?)");
+            "'locl' must be one of local, dds (did you mean 'local'?)");
 }
 
 TEST(TakeInteger, WritesDecimalDigitsOverAnyWholeNumber) {

@@ -241,7 +241,7 @@ def test_bad_arguments_are_refused():
 @pytest.mark.parametrize("arguments, options, reason", [
     ((0,), {}, "axes = 0: must be from 1 to 1000000"),
     ((1000001,), {}, "axes = 1000001: must be"),
-    ((1,), {"period": 0.02}, "20000 us must be 125 us to 10000 us"),
+    ((1,), {"period": 0.02}, "20000 us is out of range: must be from 125 to 10000 us"),
     ((1,), {"model": {"load_inertia": -1.0}}, "load_inertia = -1: must be from 0 to 10000 kg.m2"),
     ((1,), {"model": {"inertia": 1.0}}, "unknown key 'inertia', known are coupling.*backlash"),
     ((1,), {"model": {"coupling": "soft"}}, "coupling = 'soft' must be rigid or two_inertia"),

@@ -106,7 +106,7 @@ def test_an_error_of_the_dds_library_keeps_its_text():
         except vdrive.ConfigurationError as error:
             print(error)
     """)
-    assert "192.0.2.1" in output and "no interface that is up has this address" in output
+    assert "192.0.2.1" in output and "no active interface has this address" in output
 
 
 def test_a_library_of_another_build_is_refused_by_name(tmp_path):

@@ -120,7 +120,7 @@ TEST(CommandLine, TakesTheAxisOfANodeForADataSheetAlone) {
 
 TEST(CommandLine, ListsTheSubIndicesOfAnIndex) {
   EXPECT_EQ(refusal_of(split("dictionary 0x607D:7")),
-            "the dictionary has no object '0x607D:7': 607Dh has the sub-indices 1 and 2");
+            "the dictionary has no object '0x607D:7': 607Dh has sub-indices 1 and 2");
 }
 
 // 6060h of CiA 402-2: 5 is reserved.
@@ -160,7 +160,7 @@ TEST(CommandLine, SuggestsACommandAndADisturbance) {
               testing::EndsWith("or none (did you mean 'over_current'?)"));
   EXPECT_THAT(refusal_of(split("snapshot tak")), testing::EndsWith("(did you mean 'take'?)"));
   EXPECT_THAT(refusal_of(split("test a.scn --over lcal")),
-              testing::EndsWith("lcal not in {local,dds} (did you mean 'local'?)"));
+              testing::EndsWith("'lcal' must be one of local, dds (did you mean 'local'?)"));
 }
 
 // CLI11 treats an empty value as none.
@@ -511,7 +511,7 @@ INSTANTIATE_TEST_SUITE_P(
         BadRow{"no_port", "--discovery-server 10.0.0.9 list", "HOST:PORT"},
         BadRow{"port_0", "--discovery-server 10.0.0.9:0 list", "HOST:PORT"},
         BadRow{"a_word_of_scenarios", "refused 5 list", "refused"},
-        BadRow{"an_unknown_wire", "test a.scn --over air", "air not in {local,dds}"},
+        BadRow{"an_unknown_wire", "test a.scn --over air", "'air' must be one of local, dds"},
         BadRow{"a_wire_of_no_private_bench", "run a.scn --over local", "--private"},
         BadRow{"a_configuration_of_no_private_bench", "run a.scn --config a.yaml", "--private"},
         BadRow{"a_service_of_no_private_bench", "run a.scn --service vdrived", "--private"}),

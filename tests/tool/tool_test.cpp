@@ -152,13 +152,13 @@ TEST_F(ToolInLockStep, ARefusalExitsFiveWithItsCodeAndMeaning) {
 // The sub-indices of the manual's table; 60F2h has three option codes, 6098h the methods of the
 // drive and 0.
 TEST_F(ToolInLockStep, ARefusalListsTheSubIndicesAndTheValuesThatAreTaken) {
-  EXPECT_THAT(call("read 1.1 0x607D:7").errors, HasSubstr("607Dh has the sub-indices 1 and 2"));
-  EXPECT_THAT(call("read 1.1 0x6041:7").errors, HasSubstr("6041h has the sub-index 0 only"));
+  EXPECT_THAT(call("read 1.1 0x607D:7").errors, HasSubstr("607Dh has sub-indices 1 and 2"));
+  EXPECT_THAT(call("read 1.1 0x6041:7").errors, HasSubstr("6041h has only sub-index 0"));
   EXPECT_THAT(call("write 1.1 0x60F2 3").errors,
-              HasSubstr("positioning_option_code takes 0, 1 or 2"));
+              HasSubstr("positioning_option_code accepts 0, 1 or 2"));
   EXPECT_THAT(call("write 1.1 0x6080 0").errors,
-              HasSubstr("motor_max_speed_rpm takes 1 to 4294967295"));
-  const std::string methods = "homing_method takes -4 to 14, 17 to 30, 33 to 35 or 37";
+              HasSubstr("motor_max_speed_rpm accepts 1 to 4294967295"));
+  const std::string methods = "homing_method accepts -4 to 14, 17 to 30, 33 to 35 or 37";
   EXPECT_THAT(call("write 1.1 homing_method 36").errors, HasSubstr(methods));
   ASSERT_EQ(call("enable 1.1").code, 0);
   EXPECT_THAT(call("home 1.1 --method 36").errors, HasSubstr(methods));

@@ -168,7 +168,7 @@ TEST_F(Units, OfAJerkAreTakenAndToldWhereItIsRefused) {
   EXPECT_THAT(written.output, HasSubstr("= 40000000 UU/s3 (40000.000 mm/s3)"));
   EXPECT_EQ(value_of("slide", "0x60A4:1"), "40000000");
   EXPECT_THAT(call("write slide profile_jerk_1 0mm/s3").errors,
-              HasSubstr("profile_jerk_1 takes 1 UU/s3 (0.001 mm/s3) to 4294967295 UU/s3"));
+              HasSubstr("profile_jerk_1 accepts 1 UU/s3 (0.001 mm/s3) to 4294967295 UU/s3"));
 }
 
 /// A command that fails, and what its message has in the unit of the axis.

@@ -79,7 +79,7 @@ TEST(Quantity, OfAFractionOfAUserUnitIsRefused) {
     EXPECT_THAT(refusal_of_quantity([&] {
                   return position(text, kTurning);
                 }),
-                HasSubstr("is a fraction: user units are whole numbers"))
+                HasSubstr("is a fraction, but user units are whole numbers"))
         << text;
   }
   EXPECT_EQ(position("2.0", kTurning), 2);

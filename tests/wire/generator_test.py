@@ -81,7 +81,7 @@ class Refuses(unittest.TestCase):
         for body, expected in (
                 ("struct S { uint8 a; };", "2: a struct is @final"),
                 ("@final struct S { };", "2: S has no member"),
-                ("@final struct S { uint8 a; uint8 a; };", "2: 'a' is no new name"),
+                ("@final struct S { uint8 a; uint8 a; };", "2: 'a' cannot be the name of a member of S"),
                 ("@final struct S {\n  float a;\n};", "3: there is no type 'float' here"),
                 ("@final struct S {\n  @optional uint8 a;\n};", "3: the annotation '@optional'"),
                 ("@final struct S { sequence<sequence<uint8>> a; };", "a sequence of sequences"),
@@ -92,7 +92,7 @@ class Refuses(unittest.TestCase):
                 ("const uint32 A = -1;", "2: A = -1 is no uint32"),
                 ("@final struct S { @key uint64 a; @key uint64 b; @key uint8 c; };",
                  "2: the key of S has more than 16 bytes"),
-                ("enum E { A };", "2: 'enum' begins no module, constant or @final struct"),
+                ("enum E { A };", "2: a module, constant or @final struct is expected, not 'enum'"),
                 ("const int32 A = -1;", "a constant is unsigned, not int32"),
                 ("/// @enumeration E\nconst uint32 E_A = 1;", "an enumeration has a name and the prefix"),
                 ("/// @enumeration E E_\nconst uint32 E_A = 1;\nconst uint32 E_B = 1;",
@@ -120,7 +120,7 @@ class Refuses(unittest.TestCase):
             done = subprocess.run([sys.executable, ROOT / "idl/generator/generate.py", idl, directory],
                                   check=False, capture_output=True, text=True)
             self.assertEqual(done.returncode, 1)
-            self.assertIn("bad.idl:2: 'union' begins no module", done.stderr)
+            self.assertIn("bad.idl:2: a module, constant or @final struct is expected, not 'union'", done.stderr)
             self.assertFalse((pathlib.Path(directory) / "bad.hpp").exists())
 
 

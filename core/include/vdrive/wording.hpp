@@ -29,8 +29,8 @@ namespace vdrive {
 /// @return "{a,b}", the form in which a help text lists the allowed words.
 [[nodiscard]] std::string choice_of(const std::vector<std::string>& words);
 
-/// @return why `text` is refused if it is not one of these words, such as "air not in {local,dds}",
-///         with the closest word; empty if it is one of them.
+/// @return why `text` is refused if it is not one of these words, such as "'air' must be one of
+///         local, dds", with the closest word; empty if it is one of them.
 [[nodiscard]] std::string refusal_of_choice(std::string_view text,
                                             const std::vector<std::string>& words);
 

@@ -25,7 +25,7 @@ constexpr std::uint32_t kLongestSubstep_us = 125;  // the servo cycle: 8 kHz
 TickTiming timing_of(std::chrono::microseconds period) {
   if (period < kShortestPeriod || period > kLongestPeriod) {
     throw std::invalid_argument("period = " + std::to_string(period.count()) +
-                                " us must be 125 us to 10000 us");
+                                " us is out of range: must be from 125 to 10000 us");
   }
   const auto period_us = static_cast<std::uint32_t>(period.count());
   const std::uint32_t substeps = (period_us + kLongestSubstep_us - 1U) / kLongestSubstep_us;

@@ -67,8 +67,10 @@ AxisBank::Snapshot AxisBank::snapshot() const {
 void AxisBank::restore(const Snapshot& snapshot, Memory memory) {
   const State& saved = *snapshot.state_;
   if (saved.places.size() != size() || saved.timing.period_us != state_->timing.period_us) {
-    throw std::invalid_argument("snapshot of " + std::to_string(saved.places.size()) +
-                                " axes does not fit a bank of " + std::to_string(size()));
+    throw std::invalid_argument("the snapshot has " + std::to_string(saved.places.size()) +
+                                " axes and a period of " + std::to_string(saved.timing.period_us) +
+                                " us, but the bank has " + std::to_string(size()) + " axes and " +
+                                std::to_string(state_->timing.period_us) + " us");
   }
   if (memory == Memory::of_snapshot) {
     *state_ = saved;

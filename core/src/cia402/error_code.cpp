@@ -18,8 +18,8 @@ struct ErrorRow {
 // 1001h: 1 current, 2 voltage, 3 temperature, 4 communication, 5 device profile.
 constexpr std::array<ErrorRow, 9> kErrors{{
     {ErrorCode::continuous_over_current, "continuous over-current", 1U << 1U, false,
-     "Lower the acceleration or the load, or look for what blocks the axis; 6073h and 6075h are "
-     "its limits."},
+     "Lower the acceleration or the load, or check what blocks the axis; the rated current is "
+     "6075h."},
     {ErrorCode::load_level, "load level fault", 1U << 1U, false,
      "Let the motor cool; move with lower accelerations or longer pauses."},
     {ErrorCode::dc_link_under_voltage, "DC link under-voltage", 1U << 2U, true,
@@ -31,11 +31,11 @@ constexpr std::array<ErrorRow, 9> kErrors{{
     {ErrorCode::incremental_sensor_1_fault, "incremental sensor 1 fault", 1U << 5U, true,
      "Check the encoder and its cable; then home the axis again."},
     {ErrorCode::life_guard_or_heartbeat, "life guard or heartbeat error", 1U << 4U, false,
-     "Find out why the master fell silent; a longer watchdog or another 6007h would only hide it."},
+     "Find out why the master stopped sending; a longer watchdog time or another 6007h only hides "
+     "the problem."},
     {ErrorCode::following_error, "following error", 1U << 5U, false,
-     "Look for what blocks the load; otherwise lower the acceleration or the speed, or widen 6065h "
-     "and "
-     "6066h on purpose."},
+     "Check what blocks the load; otherwise lower the acceleration or the speed, or widen 6065h "
+     "and 6066h if that is acceptable."},
     {ErrorCode::sync_controller, "sync controller error", 1U << 5U, false,
      "Send a set-point in each cycle of 60C2h, and SYNC in time."},
 }};

@@ -34,8 +34,8 @@ std::string subindices_text(std::uint16_t index) {
   }
   if (numbers.empty()) return {};
   const std::string of_index = index_text(index) + " has ";
-  if (numbers.size() == 1) return of_index + "the sub-index " + numbers.front() + " only";
-  std::string text = of_index + "the sub-indices " + numbers.front();
+  if (numbers.size() == 1) return of_index + "only sub-index " + numbers.front();
+  std::string text = of_index + "sub-indices " + numbers.front();
   for (std::size_t i = 1; i < numbers.size(); ++i) {
     text += (i + 1 == numbers.size() ? " and " : ", ") + numbers[i];
   }
@@ -112,7 +112,7 @@ std::string advice_on(ObjectAddress object, AbortCode code) {
   }
   const auto row = find_object(object);
   if (!row) return {};
-  return std::string(describe(*row).variable_name) + " takes " + values_text(*row);
+  return std::string(describe(*row).variable_name) + " accepts " + values_text(*row);
 }
 
 }  // namespace vdrive

@@ -67,8 +67,8 @@ std::vector<std::string> own_addresses(const std::string& interface) {
     return !one.is_up;
   });
   throw NetworkError("network interface " + in_quotes(interface) +
-                     ": no interface that is up has this " +
-                     (is_address(interface) ? "address" : "name") + "; there are " + to_text(own));
+                     ": no active interface has this " +
+                     (is_address(interface) ? "address" : "name") + "; available: " + to_text(own));
 }
 
 /// @return the addresses of the interfaces in `settings`, and loopback.
@@ -121,7 +121,9 @@ void add_discovery_servers(const NetworkSettings& settings, HostNames& names,
                            dds::DomainParticipantQos& qos) {
   if (settings.discovery_servers.empty()) return;
   if (settings.discovery_servers.size() > kMostServers) {
-    throw NetworkError("more than " + std::to_string(kMostServers) + " discovery servers");
+    throw NetworkError(std::to_string(settings.discovery_servers.size()) +
+                       " discovery servers are too many: the limit is " +
+                       std::to_string(kMostServers));
   }
   if (!settings.peers.empty()) {
     throw NetworkError("peers and discovery servers cannot be used together: name only one kind");
@@ -132,7 +134,7 @@ void add_discovery_servers(const NetworkSettings& settings, HostNames& names,
     const auto server = parse_server_address(text);
     if (!server) {
       throw NetworkError("discovery server " + in_quotes(text) +
-                         " is not a host and a port, such as 10.0.0.9:11811");
+                         ": expected HOST:PORT, such as 10.0.0.9:11811");
     }
     rtps::Locator_t locator;
     IPLocator::setIPv4(locator, names.stand_in(server->host, server->port));
@@ -197,7 +199,7 @@ dds::DomainParticipantQos participant_qos(const NetworkSettings& settings, const
   add_peers(settings, *names, qos);
   add_discovery_servers(settings, *names, qos);
   if (names->has_names() && guard == nullptr) {
-    throw NetworkError("names of hosts need the guard");
+    throw NetworkError("host names can be used only with the guard (NetworkSettings::guard)");
   }
   // After losing a server, the library sends to an address of it that it has not announced to its
   // transport; see HostNames.
@@ -318,7 +320,7 @@ DdsParticipant::DdsParticipant(const NetworkSettings& settings, const std::strin
   entities_.participant = make_participant(qos, settings.domain, entities_.others);
   if (entities_.participant == nullptr) {
     throw NetworkError(
-        "DDS refuses a participant in domain " + std::to_string(settings.domain) +
+        "DDS could not create a participant in domain " + std::to_string(settings.domain) +
         (settings.security.empty()
              ? ": check that the network interface is up and that the UDP ports are free"
              : ": check that the security material in " + settings.security + " is complete"));
@@ -332,7 +334,7 @@ DdsParticipant::DdsParticipant(const NetworkSettings& settings, const std::strin
   if (entities_.publisher == nullptr || entities_.subscriber == nullptr) {
     entities_.participant->delete_contained_entities();
     dds::DomainParticipantFactory::get_instance()->delete_participant(entities_.participant);
-    throw NetworkError("DDS refuses a publisher or subscriber");
+    throw NetworkError("DDS could not create a publisher or subscriber");
   }
 }
 
@@ -370,7 +372,7 @@ std::vector<std::string> DdsParticipant::troubles() const {
   const bool had_time = std::chrono::steady_clock::now() - began_ >= kTimeToFindAServer;
   if (!servers_.empty() && had_time && !entities_.others.has_server()) {
     troubles.push_back("no discovery server answers: " + joined(servers_) +
-                       ": nobody can be found until one does");
+                       "; until one does, no participant can be found");
   }
   return troubles;
 }

@@ -9,10 +9,10 @@ dds::Topic* DdsEntities::topic(const std::string& name, const dds::TypeSupport& 
     return dynamic_cast<dds::Topic*>(known);
   }
   if (!is_ok(participant->register_type(type))) {
-    throw NetworkError("DDS refuses the type of topic " + name);
+    throw NetworkError("DDS could not register the type of topic " + name);
   }
   auto* const topic = participant->create_topic(name, type.get_type_name(), dds::TOPIC_QOS_DEFAULT);
-  if (topic == nullptr) throw NetworkError("DDS refuses the topic " + name);
+  if (topic == nullptr) throw NetworkError("DDS could not create the topic " + name);
   return topic;
 }
 

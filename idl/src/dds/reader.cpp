@@ -31,7 +31,7 @@ DdsReader::DdsReader(DdsEntities& parent, const std::string& topic, const dds::T
   }
   if (reader_ == nullptr) {
     throw NetworkError(
-        "DDS refuses a reader on topic " + topic +
+        "DDS could not create a reader on topic " + topic +
         (parent.permissions ? ": check that the permissions allow this subscription" : ""));
   }
 }

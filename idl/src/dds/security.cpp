@@ -95,7 +95,7 @@ class Document {
 void require(const Document& document, const Element& rule, const char* name, bool wanted) {
   if (document.truth(rule, name) != wanted) {
     document.refuse(std::string(name) + " must be " + (wanted ? "TRUE" : "FALSE") +
-                    ": the bench would be open");
+                    "; otherwise the bench is not protected");
   }
 }
 
@@ -105,7 +105,8 @@ void require_protection(const Document& document, const Element& rule, const cha
   const bool is_encrypted = kind.starts_with("ENCRYPT");
   if (!is_encrypted && (must_encrypt || !kind.starts_with("SIGN"))) {
     document.refuse(std::string(name) + " is " + escaped(kind) + ", must be " +
-                    (must_encrypt ? "" : "SIGN or ") + "ENCRYPT: the bench would be open");
+                    (must_encrypt ? "" : "SIGN or ") +
+                    "ENCRYPT; otherwise the bench is not protected");
   }
 }
 
@@ -176,7 +177,8 @@ const Element& grant_of(const Document& document, const std::string& subject) {
     others += (others.empty() ? "" : "; ") + name;
   }
   document.refuse("grants nothing to the certificate's subject " +
-                  escaped(subject, kShownOfMessage) + " (in this order); it names " +
+                  escaped(subject, kShownOfMessage) +
+                  " (the order of its parts matters); it names " +
                   (others.empty() ? "no subject" : escaped(others, kShownOfMessage)));
 }
 

@@ -40,7 +40,7 @@ DdsWriter::DdsWriter(DdsEntities& parent, const std::string& name, const dds::Ty
     writer_ =
         publisher_->create_datawriter(topic, qos, this, dds::StatusMask::publication_matched());
   }
-  if (writer_ == nullptr) throw NetworkError("DDS refuses a writer on topic " + name);
+  if (writer_ == nullptr) throw NetworkError("DDS could not create a writer on topic " + name);
   forgets_ = qos.reliability().kind == dds::RELIABLE_RELIABILITY_QOS &&
              qos.durability().kind == dds::VOLATILE_DURABILITY_QOS;
 }

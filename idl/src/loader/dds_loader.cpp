@@ -26,11 +26,10 @@ std::filesystem::path own_file() {
 }
 
 [[noreturn]] void refuse(const std::string& reason) {
-  throw NetworkError("the DDS library cannot be loaded: " + reason + ". A session over DDS needs " +
-                     kFile + " beside " + own_file().filename().string() +
-                     " and the library Fast DDS (Debian 12: libfastrtps2.9, 13: libfastdds3.1); a "
-                     "bench in this process "
-                     "needs neither");
+  throw NetworkError("the DDS library cannot be loaded: " + reason + ". Sessions over DDS need " +
+                     kFile + " next to " + own_file().filename().string() +
+                     " and the Fast DDS library (Debian 12: libfastrtps2.9, 13: libfastdds3.1); a "
+                     "bench in this process needs neither");
 }
 
 /// Objects of a participant and exceptions cross the border between the two files.

@@ -131,7 +131,7 @@ LocalParticipant::LocalParticipant(std::shared_ptr<LocalBus> bus, Role role, std
       role_ == Role::service && std::ranges::any_of(parts.participants, [this](const auto* other) {
         return other->role_ == Role::service && other->name_ == name_;
       });
-  if (is_taken) throw NameTaken(in_quotes(name_) + " is on this bus already");
+  if (is_taken) throw NameTaken("a service named " + in_quotes(name_) + " is already on this bus");
   parts.participants.push_back(this);
   const SourceKey key = as_numbers(source_);
   parts.sources.insert(std::ranges::lower_bound(parts.sources, key), key);

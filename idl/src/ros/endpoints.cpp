@@ -59,9 +59,8 @@ std::string dds_topic(std::string_view name) {
 
 std::string check_topic(std::string_view name) {
   std::string rule = in_quotes(name) +
-                     " is not the name of a topic: it begins with '/', and its parts have letters, "
-                     "digits and '_' and "
-                     "begin with no digit";
+                     " is not the name of a topic: it must start with '/'; its parts consist of "
+                     "letters, digits and '_' and must not start with a digit";
   if (!name.starts_with('/')) return rule;
   std::string_view rest = name.substr(1);
   while (true) {

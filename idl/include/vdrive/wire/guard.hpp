@@ -33,7 +33,7 @@ enum class Refusal : std::uint8_t {
 
 constexpr std::size_t kRefusals = 17;  ///< with `none`
 
-/// @return a text for a log, such as "a list of parameters that does not end".
+/// @return a text for a log, such as "an unterminated parameter list".
 [[nodiscard]] std::string_view describe(Refusal refusal) noexcept;
 
 /// A vdrive participant is removed after this silence; it announces itself ten times a second.
