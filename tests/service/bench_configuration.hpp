@@ -10,7 +10,7 @@
 
 namespace vdrive::test {
 
-/// @return a service on the domain of this test, in this process, which logs warnings only.
+/// @return the configuration of a service on the domain of this test that logs warnings only.
 inline service::Configuration configuration(service::ClockMode clock, std::size_t axes) {
   spdlog::set_level(spdlog::level::warn);
   service::Configuration with;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The memory of a black box: what it forgets, and that the rest stays right.
+// The memory of a black box: what it discards, and that the rest stays correct.
 #include "journal/black_box.hpp"
 
 #include "journal/window_replay.hpp"
@@ -36,7 +36,7 @@ Configuration axes_with(std::size_t axes, std::uint32_t memory_mib) {
   return configuration;
 }
 
-/// Axes, their black box, and what they showed in the last ticks.
+/// Axes with their black box, and the status that they showed in the last ticks.
 class BoxedBank {
  public:
   BoxedBank(std::size_t axes, std::uint32_t memory_mib)
@@ -62,7 +62,8 @@ class BoxedBank {
     if (shown_.size() > 4'000) shown_.erase(shown_.begin());
   }
 
-  /// @return how many ticks of the window are as they were; a failure for each that is not.
+  /// Replays the window; each tick that differs is a test failure. @return the number of ticks
+  /// compared.
   std::size_t compare(const Window& window) {
     std::vector<std::size_t> axes(bank_.size());
     for (std::size_t axis = 0; axis < axes.size(); ++axis) axes[axis] = axis;
@@ -88,8 +89,8 @@ class BoxedBank {
   std::map<std::uint64_t, std::uint64_t> shown_;
 };
 
-// 1 MiB holds some 30,000 entries: 40 writes a tick fill it in less than a second of drive time, so
-// that blocks, slots and windows are used again and again.
+// 1 MiB holds some 30,000 entries. At 40 writes per tick on average it is full in less than a
+// second of drive time, so blocks, slots and windows are reused again and again.
 TEST(BlackBox, KeepsItsBudgetAndStaysRightWhileItForgets) {
   const int ticks = number_of<int>({.usual = 20'000, .full = 200'000, .nightly = 3'600'000});
   BoxedBank bank(4, 1);
@@ -114,7 +115,6 @@ TEST(BlackBox, KeepsItsBudgetAndStaysRightWhileItForgets) {
   EXPECT_GT(windows, 0U);
 }
 
-// Of 60 windows the last 16 are there, and each is whole.
 TEST(BlackBox, KeepsTheLastSixteenWindows) {
   BoxedBank bank(2, 8);
   for (int window = 0; window < 60; ++window) {
@@ -137,7 +137,7 @@ TEST(BlackBox, GivesRoomBackWhenAWindowIsLetGo) {
   ASSERT_NE(bank.box().freeze({}), 0U);
   for (int tick = 0; tick < 600; ++tick) bank.step();
   const Window window = *bank.box().next_window(0);
-  bank.box().hold(window);  // as the thread does that reads it
+  bank.box().hold(window);  // as the thread that reads it does
   for (int tick = 0; tick < 3'000; ++tick) {
     for (std::int64_t write = 0; write < 40; ++write) bank.write(0, kTarget, write);
     bank.step();

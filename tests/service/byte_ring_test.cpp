@@ -43,7 +43,7 @@ bool is_whole(const ByteRing::Record& record, std::size_t size, std::uint8_t val
          });
 }
 
-// A record of 10 bytes takes 16 behind its head: records begin at a multiple of 8.
+// A record of 10 bytes takes 16 after its head: records begin at multiples of 8.
 TEST(ByteRing, CountsTheRecordsThatWaitAndTheirBytes) {
   Memory memory(256);
   ByteRing producer = memory.end();
@@ -107,8 +107,8 @@ TEST(ByteRing, KeepsRecordsInOnePieceAcrossItsEnd) {
   }
 }
 
-// 1 MiB of room, 16 MiB in records of 1,000 bytes, each read before the next one is written: they
-// use the first 64 KiB and the record that crosses their end.
+// The ring has room for 1 MiB. 16 MiB pass through it in records of 1,000 bytes, each read before
+// the next is written, so only the first 64 KiB and the record across their end are used.
 TEST(ByteRing, UsesFewPagesWhileItsReaderKeepsUp) {
   Memory memory(std::size_t{1} << 20U);
   ByteRing producer = memory.end();
@@ -125,9 +125,9 @@ TEST(ByteRing, UsesFewPagesWhileItsReaderKeepsUp) {
   EXPECT_LE(std::distance(touched, memory.words.rend()) * 8, 64 * 1024 + 1'024);
 }
 
-// The producer is ahead by 1 KiB to 1 MiB less one record while the consumer stands, for any place
-// where the ring was when it was last empty: 1,008 bytes and their head take 1,032, so 1,016
-// records fit into 1 MiB (1,048,576), less one that may not fit in front of the end of the memory.
+// The consumer stands still while the producer fills the ring, which was last empty at any of
+// several positions. A record takes 1,032 bytes with its head, so 1,016 fit into 1 MiB (1,048,576
+// bytes), less one that may not fit before the end of the memory.
 TEST(ByteRing, HasItsWholeCapacityFromAnyPosition) {
   constexpr std::size_t kRecord = 1'032;
   constexpr std::size_t kFit = (std::size_t{1} << 20U) / kRecord - 1;
@@ -156,13 +156,13 @@ TEST(ByteRing, HasItsWholeCapacityFromAnyPosition) {
   }
 }
 
-// Both sides end and are replaced while the ring is empty, full, and in between.
+// Both ends are replaced while the ring is empty, full, and in between.
 TEST(ByteRing, ContinuesForAReaderThatAttachesLater) {
   Memory memory(std::size_t{1} << 18U);
   for (int round = 0; round < 50; ++round) {
     {
       ByteRing producer = memory.end();
-      static_cast<void>(producer.reserve(1'000));  // the one before it ended in that place
+      static_cast<void>(producer.reserve(1'000));  // the previous producer ended here
     }
     ByteRing producer = memory.end();
     for (std::uint8_t count = 0; count < 100; ++count) ASSERT_TRUE(put(producer, 1'000, count));
@@ -195,7 +195,7 @@ TEST(ByteRing, ContinuesWhereAnEndedSideStopped) {
   {
     ByteRing producer = memory.end();
     ASSERT_TRUE(put(producer, 8, 1));
-    static_cast<void>(producer.reserve(30));  // it ends while it fills the record
+    static_cast<void>(producer.reserve(30));  // it ends while filling the record
   }
   ByteRing second = memory.end();
   ASSERT_TRUE(put(second, 8, 2));
@@ -213,7 +213,7 @@ TEST(ByteRing, IsEmptyAfterInvalidPositionsOfTheOtherSide) {
   ByteRing producer = memory.end();
   ByteRing consumer = memory.end();
   ASSERT_TRUE(put(producer, 8, 1));
-  memory.positions.written.store(1'000'000);  // more than there is room for
+  memory.positions.written.store(1'000'000);  // more than fits
   EXPECT_FALSE(consumer.front().has_value());
 
   Memory forged(256);

@@ -14,7 +14,7 @@
 namespace vdrive::test {
 namespace {
 
-/// A lock-step service and two clients that found it.
+/// A lock-step service and two clients that have found it.
 struct TwoClients {
   TwoClients()
       : service(configuration(service::ClockMode::lockstep, 2)),
@@ -26,7 +26,7 @@ struct TwoClients {
     found = alice.find_bench() && bob.find_bench();
   }
 
-  /// @return whether both have found the service and have joined its clock.
+  /// @return whether both have found the service and joined its clock.
   bool join_both() {
     const auto has_joined = [](Probe& who) {
       const auto reply = who.exchange(who.make_request(msg::RequestKind::join_clock));
@@ -35,7 +35,6 @@ struct TwoClients {
     return found && has_joined(alice) && has_joined(bob);
   }
 
-  /// Steps without waiting for the answer.
   static std::future<std::optional<msg::Reply>> begin_step(Probe& who, std::uint64_t ticks) {
     return std::async(std::launch::async, [&who, ticks] {
       return who.step(ticks, {1, 2});

@@ -122,8 +122,8 @@ TEST(Configuration, OfAnEmptyFileIsTheDefault) {
   EXPECT_EQ(to_yaml(parse("# only a comment\n")), to_yaml(demo_configuration()));
 }
 
-// What strangers send can end the wire. In the open mode on loopback only programs of this host
-// can.
+// Messages from strangers can end the wire. In open mode on the loopback interface, only programs
+// of this host can send any.
 TEST(Configuration, HasAWireOfThreadsOnlyWhereNoStrangerReachesIt) {
   const auto form_of = [](const std::string& text) {
     return effective_wire_form(parse(text));
@@ -169,16 +169,16 @@ axes:
   EXPECT_EQ(again.name, "a: b #1");
 }
 
-// Printing replaces bytes that are not UTF-8 by longer text: such a configuration did not read
-// back.
+// The YAML printer replaces bytes that are not UTF-8 by longer text, and such a configuration would
+// not be read back.
 TEST(Configuration, NamesAreUtf8WithoutControlCharacters) {
   for (const char* const name : {"左", "\xC3\xA9", "\xF0\x9F\x94\xA7"}) {
     const std::string text = std::string("bench: {name: ") + name + "}";
     EXPECT_EQ(parse(text).name, name);
     EXPECT_EQ(parse(to_yaml(parse(text))).name, name);
   }
-  // Not a first byte, a lone first byte, cut short, overlong, a surrogate, above U+10FFFF (RFC
-  // 3629); a control character, as YAML writes it, and DEL.
+  // Not a first byte, a lone first byte, truncated, overlong, a surrogate, above U+10FFFF, no
+  // continuation byte (RFC 3629); a control character in YAML's notation, and DEL.
   for (const char* const name :
        {"\xFF", "\xC3", "\xE5\xB7", "\xC0\xAF", "\xE0\x80\xAF", "\xED\xA0\x80", "\xF4\x90\x80\x80",
         "\xC3\xC3", R"(a\x07)", R"(a\x7F)"}) {
@@ -208,7 +208,7 @@ TEST(Configuration, PrintsDiscoveryServersAsItReadsThem) {
 struct Refused {
   const char* name;
   const char* text;
-  const char* message;  ///< how it begins
+  const char* message;  ///< the expected beginning
 };
 
 class RefusedConfiguration : public testing::TestWithParam<Refused> {};
@@ -229,7 +229,7 @@ INSTANTIATE_TEST_SUITE_P(
                 R"(bench.yaml:2: '  name: "\xFF"' is not valid UTF-8)"},
         Refused{"two_documents", "bench: {number: 1}\n---\nbench: {number: 2}",
                 "bench.yaml:2: a second YAML document"},
-        // The parser consumes nothing of these and finds documents without end.
+        // The parser consumes nothing of these and reports documents without end.
         Refused{"begins_with_a_comma", ", name: left}",
                 "bench.yaml:1: a YAML document cannot begin"},
         Refused{"goes_on_with_a_comma", "bench: {number: 1}\n...\n, {n% ",
@@ -401,8 +401,8 @@ TEST(Configuration, GivesAnAxisTheIdentityThatAMasterExpects) {
   EXPECT_EQ(parameters[1].value, 4'294'967'295);
 }
 
-// A mistake does not hide those behind it; what can only be judged without a mistake, such as the
-// number that axis 2 lacks, is not judged.
+// A mistake does not hide those after it. What can be judged only in a correct file, such as the
+// missing number of axis 2, is not judged.
 TEST(Configuration, IsRefusedWithEachMistakeInItsLine) {
   EXPECT_EQ(refusal_of("bench: {number: 0}\n"
                        "clock:\n"
@@ -436,7 +436,7 @@ TEST(Configuration, IsRefusedWithEachMistakeInItsLine) {
             "0 UU/s (0.00 deg/s) to 4294967295 UU/s (377487359.91 deg/s)");
 }
 
-// A file of 4 MiB has room for a million of them.
+// A file of 4 MiB has room for a million mistakes.
 TEST(Configuration, IsRefusedWithAHundredMistakesAtMost) {
   std::string text = "axes:\n";
   for (int axis = 0; axis < 150; ++axis) text += "  - {number: 0, name: 1}\n";
@@ -445,7 +445,7 @@ TEST(Configuration, IsRefusedWithAHundredMistakesAtMost) {
   EXPECT_TRUE(refusal.ends_with("\nstopped after 100 mistakes")) << refusal;
 }
 
-// 48 characters from the front and 16 from the end are shown of 64.
+// Of the 64 characters shown, 48 are from the beginning and 16 from the end.
 TEST(Configuration, IsRefusedWithALongValueShortened) {
   EXPECT_EQ(refusal_of("clock: {mode: " + std::string(10'000, 'a') + "}"),
             "bench.yaml:1: clock.mode = " + std::string(48, 'a') + "..." + std::string(16, 'a') +
@@ -467,7 +467,7 @@ TEST(Configuration, MayUseAnAliasForWhatSeveralAxesHave) {
   EXPECT_EQ(configuration.axes[1].configuration.parameters.at(0).value, 7);
 }
 
-// Each line names the one before ten times: 10^20 values.
+// Each line refers ten times to the line before: 10^20 values.
 TEST(Configuration, WhoseAliasesMultiplyIsRefusedWithTheLimit) {
   std::string text = "l0: &l0 [" + std::string(10, '1') + "]\n";
   for (int level = 1; level <= 20; ++level) {
@@ -642,8 +642,7 @@ TEST(Configuration, OfTheGuideHasNoWarningAndItsLimitsAreInForce) {
   EXPECT_EQ(bank.read(0, {0x607D, 1}).value, -100'000);
 }
 
-/// @return the rows of docs/guides/configuration.md that begin with a model parameter, without the
-///         words at their end.
+/// @return the rows about model parameters in docs/guides/configuration.md.
 std::vector<std::string> documented_model_parameters() {
   std::ifstream page(VDRIVE_SOURCE_DIR "/docs/guides/configuration.md");
   std::vector<std::string> rows;
@@ -717,7 +716,7 @@ TEST(ConfigurationHelp, DescribesEachKeyThatIsRead) {
   expect_described("axes[].model.", "axes: [{number: 1, model: {zz: 1}}]");
 }
 
-// The texts contain the limits as words: a refusal shows those in force.
+// The help texts contain the limits in words; a refusal shows the limits in force.
 TEST(ConfigurationHelp, NamesTheLimitsThatAreInForce) {
   std::size_t compared = 0;
   for (const ConfigurationKey& key : configuration_keys()) {
@@ -773,8 +772,8 @@ TEST(ConfigurationWarnings, AreAbsentForStableLoads) {
                   .empty());
 }
 
-// 0.1 kg.m2 times 10² and the motor's 3e-4: 33334 times the motor; 409600 UU/s² at the load are 20π
-// rad/s² at the motor, on 10.0003 kg.m2 628 N.m.
+// 0.1 kg.m2 times 10² and the motor's 3e-4 kg.m2 are 33334 times the inertia of the motor; 409600
+// UU/s² at the load are 20π rad/s² at the motor, which takes 628 N.m on 10.0003 kg.m2.
 TEST(ConfigurationWarnings, NameLineAndAxisOfAnInvertedGear) {
   const auto warnings = warnings_of(
       "axes:\n  - {number: 2, name: table}\n  - number: 1\n    name: lift\n"

@@ -39,7 +39,7 @@ TEST_P(DoorbellOfEachKind, ReportsATimeOutWithoutARing) {
   EXPECT_FALSE(sut_.wait_for(1ms));
 }
 
-// A ring that is lost between check and sleep would end this in a time-out.
+// A ring lost between check and sleep would end this test in a time-out.
 TEST_P(DoorbellOfEachKind, ReceivesEveryRingOfAnotherThread) {
   constexpr int kRings = 2'000;
   std::atomic<int> received{0};
@@ -56,7 +56,7 @@ TEST_P(DoorbellOfEachKind, ReceivesEveryRingOfAnotherThread) {
     received.notify_one();
   }
   EXPECT_EQ(ring, kRings);
-  received = kRings;  // the visitor ends even after a failure
+  received = kRings;  // the visitor must end after a failure, too
   received.notify_one();
 }
 

@@ -12,7 +12,7 @@
 namespace vdrive::test {
 namespace {
 
-/// A bench whose axes 1 and 2 belong to Alice.
+/// A bench on which Alice owns axes 1 and 2.
 struct OwnedBench : EngineUnderTest {
   OwnedBench() {
     acquire(kAlice, {1, 2});
@@ -188,8 +188,8 @@ TEST(CommandFrame, WithAllOrNothingChangesNothingWhenOneIsRefused) {
   EXPECT_EQ(bench.counters.commands_refused.get(), 2U);
 }
 
-/// A frame of Alice to axis 1, applied whole or not at all, that writes `value`.
-/// @param is_refused it writes 6041h behind it, which is read-only
+/// An all-or-nothing frame of Alice to axis 1 that writes `value`.
+/// @param is_refused whether the frame then also writes 6041h, which is read-only
 msg::CommandFrame whole_frame(OwnedBench& bench, ObjectAddress address, std::int64_t value,
                               bool is_refused) {
   auto frame = bench.make_frame(kAlice);
@@ -203,7 +203,7 @@ msg::CommandFrame whole_frame(OwnedBench& bench, ObjectAddress address, std::int
   return frame;
 }
 
-// What such a write does would stay when its register got the old value back.
+// The effect of such a write would stay even if its register got the old value back.
 TEST(CommandFrame, WithAllOrNothingDoesWhatActsAtOnceOnlyWhenNoneIsRefused) {
   struct ActingWrite {
     ObjectAddress address;
@@ -228,7 +228,7 @@ TEST(CommandFrame, WithAllOrNothingDoesWhatActsAtOnceOnlyWhenNoneIsRefused) {
   }
 }
 
-// The first write of a set-point begins a stream, to whatever its register says then.
+// The first write of a set-point starts a stream to whatever value the register then has.
 TEST(CommandFrame, WithAllOrNothingBeginsNoStreamWhenOneIsRefused) {
   struct OldSetPoint {
     int mode;
@@ -281,7 +281,8 @@ TEST(CommandFrame, WithAllOrNothingKeepsTheErrorHistoryWhenOneIsRefused) {
   EXPECT_EQ(bench.value(1, 0x1003), 1);
 }
 
-// 607Bh decides on 60F2h, 5E20h:05 on 6060h: what is judged first would be judged by the old value.
+// 607Bh decides which values of 60F2h are valid, and 5E20h:05 which of 6060h. All writes of such a
+// frame are judged before any is made, so one of these would be judged by the old value.
 TEST(CommandFrame, WithAllOrNothingRefusesObjectsThatDecideOnOthers) {
   OwnedBench bench;
   for (const ObjectAddress address :
@@ -348,7 +349,7 @@ TEST(CommandFrame, IsRefusedTooLateTooFarAheadAndPastItsValidity) {
   EXPECT_TRUE(bench.command_reply()->refusals.empty());
 }
 
-// The next tick is 51: a frame for tick 45 is 6 ticks late.
+// The next tick is 51, so a frame for tick 45 is 6 ticks late.
 TEST(CommandFrame, IsRefusedWithItsDelayWhenLate) {
   OwnedBench bench;
   bench.steps(50);
@@ -472,8 +473,8 @@ TEST(PendingFrame, IsDroppedByAHaltAndByAFault) {
   EXPECT_EQ(bench.frame_refusal(), msg::Reason::cancelled);
 }
 
-// The frame for tick 60 is cancelled; the halting one is applied, and its own error stays in
-// its answer.
+// The frame for tick 60 is cancelled. The halting frame is applied, and its reply keeps its own
+// error.
 TEST(PendingFrame, DroppedByAHaltDoesNotChangeTheAnswerToTheHalt) {
   OwnedBench bench;
   bench.write(kAlice, 1, 0x6040, 0x0F);
@@ -586,7 +587,7 @@ TEST(CommandFrame, AllocatesNothingAfterTheFirstFrames) {
       command.position_user_target_value = count;
       set_controlword(command, 0x0F);
     }
-    set_controlword(add_command(frame, 99), 0x06);  // refused: the answer allocates nothing either
+    set_controlword(add_command(frame, 99), 0x06);  // refused: the reply allocates nothing either
     frame.apply_at_tick = count % 4 == 0 ? static_cast<std::uint64_t>(count) + 3 : 0;
     frames.push_back(frame);
   }

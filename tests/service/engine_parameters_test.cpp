@@ -22,7 +22,7 @@ constexpr msg::Reason kNotInAFrame{0x06040041};
 constexpr std::int64_t kSave = 0x65766173;
 constexpr std::int64_t kLoad = 0x64616F6C;
 
-/// An engine with a state directory; its saver runs when the test calls it.
+/// An engine with a state directory. Its saver runs when the test calls it.
 struct StoringBench : EngineUnderTest {
   explicit StoringBench(const service::Configuration& with = bench_configuration(3))
       : EngineUnderTest(with),
@@ -32,7 +32,7 @@ struct StoringBench : EngineUnderTest {
     engine.store_with(saver);
   }
 
-  /// Passes in a request that has to wait.
+  /// Sends a request whose reply has to wait for the saver.
   msg::Request begin(msg::RequestKind kind, std::vector<std::uint16_t> axes,
                      std::uint64_t session = kAlice) {
     auto request = make_request(kind, session, std::move(axes));
@@ -41,7 +41,7 @@ struct StoringBench : EngineUnderTest {
     return request;
   }
 
-  /// Runs the saver. @return the reply that waited.
+  /// Runs the saver. @return the reply that has waited.
   msg::Reply finish() {
     saver.save_waiting();
     while (engine.answer_stores()) {
@@ -81,7 +81,7 @@ TEST(StoreRequest, IsAnsweredAfterTheSaveAndTakesEffectAtAPowerCycle) {
   bench.write(kAlice, 1, 0x6081, 4'321);
   bench.write(kAlice, 2, 0x6081, 1'234);
   const auto request = bench.begin(msg::RequestKind::store, {1});
-  bench.write(kAlice, 1, 0x6081, 9);  // later than what is stored
+  bench.write(kAlice, 1, 0x6081, 9);  // after the store
   bench.steps(3);
   EXPECT_EQ(bench.outbox.replies.front(), nullptr);
   const auto reply = bench.finish();
@@ -96,7 +96,7 @@ TEST(StoreRequest, IsAnsweredAfterTheSaveAndTakesEffectAtAPowerCycle) {
 }
 
 TEST(StoreRequest, OfManyAxesHasOneAnswer) {
-  StoringBench bench(bench_configuration(40));  // more than a tick handles
+  StoringBench bench(bench_configuration(40));  // more than one tick handles
   std::vector<std::uint16_t> axes;
   for (std::uint16_t axis = 1; axis <= 40; ++axis) {
     axes.push_back(axis);
@@ -109,7 +109,7 @@ TEST(StoreRequest, OfManyAxesHasOneAnswer) {
   EXPECT_EQ(bench.value(40, 0x6081), 1'040);
 }
 
-// A step is answered after its ticks, in which stores are answered too.
+// A step is answered after its ticks, and stores are answered during them.
 TEST(StoreRequest, LeavesRoomForTheAnswerOfARunningStep) {
   StoringBench bench;
   auto& replies = bench.outbox.replies;
@@ -200,7 +200,7 @@ TEST(StoreObject, ActsLikeTheStoreRequest) {
   auto request = bench.make_request(msg::RequestKind::write, kAlice);
   add_object(request, 1, 0x6081, 0, 55);
   add_object(request, 1, 0x1010, 1, kSave);
-  add_object(request, 1, 0x6081, 0, 66);  // after it: not stored
+  add_object(request, 1, 0x6081, 0, 66);  // after the store: not stored
   add_object(request, 2, 0x1010, 1, kLoad);
   bench.receive(request);
   EXPECT_EQ(bench.outbox.replies.front(), nullptr);

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// A repeated message acts once and is answered again: requests of every kind, and command frames.
+// A repeated message takes effect once and gets the same answer again: requests of every kind, and
+// command frames.
 #include "core/support/allocation_guard.hpp"
 #include "service/engine_under_test.hpp"
 #include "store/parameter_saver.hpp"
@@ -25,7 +26,7 @@ msg::ObjectAccess& add_write(msg::Request& request, std::uint16_t axis, std::uin
   return object;
 }
 
-/// A bench whose axes 1 and 2 Alice has taken.
+/// A bench on which Alice has acquired axes 1 and 2.
 struct OwnedBench : EngineUnderTest {
   explicit OwnedBench(const service::Configuration& with = bench_configuration(3))
       : EngineUnderTest(with) {
@@ -33,7 +34,7 @@ struct OwnedBench : EngineUnderTest {
     static_cast<void>(events({}));
   }
 
-  /// @return frame `sequence` of Alice; without a command it keeps her alive.
+  /// @return frame `sequence` of Alice without a command, which keeps her session alive.
   [[nodiscard]] msg::CommandFrame frame(std::uint64_t sequence) const {
     msg::CommandFrame frame;
     frame.bench = kBench;
@@ -181,7 +182,7 @@ TEST(RepeatedRequest, WithAnOldIncarnationIsNotARepetition) {
   EXPECT_EQ(bench.value(1, kWindow), 50);
 }
 
-// Several threads of a program may write their requests in another order than they numbered them.
+// Several threads of a program may send their requests in another order than they numbered them.
 TEST(RepeatedRequest, IsDistinguishedFromAnOvertakenRequest) {
   EngineUnderTest bench;
   auto late = bench.make_request(msg::RequestKind::write, kAlice);
@@ -271,7 +272,7 @@ TEST(RepeatedRequest, OfAStepWithOtherAxesIsAnsweredWithoutStatuses) {
   EXPECT_EQ(bench.reply().value_or(msg::Reply{}).statuses.size(), 0U);
 }
 
-/// Answers `count` further requests of the client.
+/// Sends `count` further requests of the client, each of which is answered.
 void answer_more(EngineUnderTest& bench, std::uint64_t client, std::uint64_t count) {
   auto read = bench.make_request(msg::RequestKind::read, 0);
   add_write(read, 1, kWindow, 0);
@@ -300,8 +301,7 @@ TEST(RepeatedRequest, WithADiscardedAnswerIsRefusedAndNotExecutedAgain) {
   EXPECT_EQ(bench.reply_to(write).reason, msg::Reason::too_late);
 }
 
-// The engine cannot distinguish numbers 1,024 below the highest one from numbers that never
-// arrived.
+// The engine cannot tell a number 1,024 below the highest from one that never arrived.
 TEST(RepeatedRequest, IsRefusedWithANumberFarBelowTheHighest) {
   EngineUnderTest bench;
   auto late = bench.make_request(msg::RequestKind::write, kAlice);
@@ -314,7 +314,8 @@ TEST(RepeatedRequest, IsRefusedWithANumberFarBelowTheHighest) {
   EXPECT_EQ(bench.value(1, kWindow), 100) << "6067h has its default";
 }
 
-// Eight clients with 128 answers each fill the 1,024 places; a ninth replaces the oldest.
+// Eight clients with 128 answers each fill the 1,024 places; an answer to a ninth replaces the
+// oldest.
 TEST(RepeatedRequest, DiscardsTheOldestAnswersOfManyClientsFirst) {
   EngineUnderTest bench;
   auto write = bench.make_request(msg::RequestKind::write, kAlice);
@@ -329,7 +330,7 @@ TEST(RepeatedRequest, DiscardsTheOldestAnswersOfManyClientsFirst) {
   EXPECT_EQ(bench.reply_to(write).reason, msg::Reason::too_late);
 }
 
-// 1,024 clients are remembered: the 1,024th other client replaces the first.
+// 1,024 clients are remembered: the 1,024th new client replaces the first.
 TEST(RepeatedRequest, OfAForgottenClientIsANewRequest) {
   EngineUnderTest bench;
   auto write = bench.make_request(msg::RequestKind::write, 0);

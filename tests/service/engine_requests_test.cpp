@@ -34,8 +34,8 @@ TEST(ReadRequest, AnswersEachObjectWithItsOwnCode) {
   EXPECT_EQ(reply.objects[2].abort_code, msg::Reason{0x06090011});
 }
 
-// A recording, a page and a description read them all. 1003h has no entry on an axis without a
-// fault: 08000024h tells its reader so, and nothing was refused.
+// Recordings, the web page and descriptions read every object. On an axis without a fault 1003h has
+// no entry; the reader gets 08000024h, and that is no refusal.
 TEST(ReadRequest, OfEveryObjectOfAHealthyAxisIsNoRefusal) {
   EngineUnderTest bench;
   auto request = bench.make_request(msg::RequestKind::read, 0);
@@ -147,7 +147,7 @@ service::Configuration without_watchdog() {
   return configuration;
 }
 
-/// Alice owns axis 1, which moves by her set-point 1,000,000 with controlword 003Fh.
+/// Alice owns axis 1 and has started its move to set-point 1,000,000 with controlword 003Fh.
 struct MovingAxis : EngineUnderTest {
   MovingAxis() : EngineUnderTest(without_watchdog()) {
     acquire(kAlice, {1});
@@ -170,7 +170,7 @@ struct MovingAxis : EngineUnderTest {
 
   [[nodiscard]] std::int64_t state() { return value(1, 0x6041) & kStateBits; }
 
-  /// A refused write of Bob names the owner.
+  /// Lets Bob's write be refused. @return the owner that the refusal names.
   [[nodiscard]] std::uint64_t owner() { return write(kBob, 1, 0x6081, 5).owner_session; }
 };
 
@@ -200,7 +200,7 @@ TEST(StopOfAnotherSession, KeepsOwnerAndEpoch) {
   EXPECT_EQ(bench.frame_refusal(), std::nullopt);
 }
 
-// The set-point and its handshake stay the owner's: 003Fh with bit 8 is 013Fh.
+// Set-point and handshake remain the owner's: 003Fh with bit 8 is 013Fh.
 TEST(StopOfAnotherSession, HaltsAndKeepsTheSetPoint) {
   MovingAxis bench;
   EXPECT_EQ(bench.write_word(kBob, 0x010F), msg::Reason::none);
@@ -242,7 +242,7 @@ TEST(StopOfAnotherSession, CancelsPendingFramesOfTheAxis) {
   }
 }
 
-// Each of these commands more than a stop, or no stop.
+// Each of these commands more than a stop, or something else.
 TEST(StopOfAnotherSession, IsTheOnlyCommandThatIsAccepted) {
   MovingAxis bench;
   for (const std::int64_t word : {0x00, 0x06, 0x07, 0x0F, 0x3F,  // no stop
@@ -250,7 +250,7 @@ TEST(StopOfAnotherSession, IsTheOnlyCommandThatIsAccepted) {
                                   0x0100,                        // Disable voltage
                                   0x0107,                        // Disable operation
                                   0x011F, 0x12,                  // a set-point
-                                  0x1'0002, -0xFFFE}) {          // no controlword
+                                  0x1'0002, -0xFFFE}) {          // not a controlword
     EXPECT_EQ(bench.write_word(kBob, word), kLocalControl) << word;
   }
   EXPECT_EQ(bench.write(kBob, 1, 0x607A, 0).objects[0].abort_code, kLocalControl);
@@ -395,7 +395,7 @@ TEST(Request, OfAnUnknownKindOrIncarnationIsRefused) {
             msg::Reason::nothing_done);
 }
 
-/// @return why the row of a kind refuses it in this clock mode.
+/// @return the reason for which a request of this kind is refused in this clock mode.
 msg::Reason refusal_of_request(const wire::RequestKindRow& row, service::ClockMode mode) {
   switch (row.clock) {
     case wire::RequestClock::lockstep:
@@ -419,7 +419,7 @@ TEST(Request, IsRefusedInAClockModeThatTheRowOfItsKindDoesNotAllow) {
     EngineUnderTest bench(configuration);
     for (const wire::RequestKindRow& row : wire::kRequestKinds) {
       const msg::Reason due = refusal_of_request(row, mode);
-      // Those are passed to the steps there.
+      // StepRequests handles these instead of the engine.
       if (due == msg::Reason::none && service::StepRequests::is_for(row.kind)) continue;
       auto request = bench.make_request(row.kind, kAlice);
       request.rate = configuration.rate;
@@ -438,7 +438,7 @@ TEST(Request, IsRefusedInAClockModeThatTheRowOfItsKindDoesNotAllow) {
 TEST(Request, NeedsASessionWhereTheRowOfItsKindSaysSo) {
   EngineUnderTest bench;
   for (const wire::RequestKindRow& row : wire::kRequestKinds) {
-    auto request = bench.make_request(row.kind, 0, {77});  // the session comes before the axes
+    auto request = bench.make_request(row.kind, 0, {77});  // the session is checked before the axes
     const bool is_refused = bench.reply_to(request).reason == msg::Reason::bad_session;
     EXPECT_EQ(is_refused, row.caller == wire::RequestCaller::session)
         << wire::value_row(row.kind)->name;

@@ -32,7 +32,8 @@ struct EndingBench : EngineUnderTest {
     return (value(axis, 0x6041) & 0x4F) == kSwitchOnDisabled;
   }
 
-  /// Runs at 40 000 UU/s and would brake with 80 000 UU/s2: in 0.5 s, by 80 UU/s a tick.
+  /// Moves the axis at 40 000 UU/s. Its ramp of 80 000 UU/s2 would stop it in 0.5 s, by 80 UU/s a
+  /// tick.
   void run_fast(std::uint16_t axis) {
     write(kAlice, axis, 0x6081, 40'000);
     write(kAlice, axis, 0x6083, 4'000'000);
@@ -52,7 +53,8 @@ TEST(EngineShutdown, BrakesAMovingAxisOnItsRampThenSwitchesItOff) {
   bench.run_fast(1);
   bench.engine.shut_down(Braking::ramp);
   bench.steps(250);
-  // 250 ticks of 1 ms at 80 000 UU/s2 take 20 000 UU/s; the tick that begins the ramp may count.
+  // 250 ticks of 1 ms at 80 000 UU/s2 slow the axis by 20 000 UU/s; the tick in which the ramp
+  // begins may count as well.
   EXPECT_NEAR(static_cast<double>(bench.speed(1)), 20'000.0, 160.0);
   EXPECT_EQ(bench.value(1, 0x6041) & 0x6F, kOperationEnabled);
   EXPECT_TRUE(bench.engine.has_power());
@@ -86,7 +88,7 @@ TEST(EngineShutdown, BrakesHarderAfterASecondRequest) {
 TEST(EngineShutdown, WaitsForAQuickStopInProgress) {
   EndingBench bench;
   bench.run_fast(1);
-  bench.write(kAlice, 1, 0x605A, 6);  // stays in Quick stop active
+  bench.write(kAlice, 1, 0x605A, 6);  // remains in Quick stop active
   bench.write(kAlice, 1, 0x6085, 400'000);
   bench.write(kAlice, 1, 0x6040, 0x02);
   bench.steps(20);

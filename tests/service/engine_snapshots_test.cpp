@@ -1,5 +1,4 @@
 // SPDX-License-Identifier: Apache-2.0
-// Snapshots by request.
 #include "base/event_codes.hpp"
 #include "service/engine_under_test.hpp"
 
@@ -35,7 +34,7 @@ msg::Reply restore(EngineUnderTest& bench, std::uint64_t snapshot, std::uint64_t
   return reply_about(bench, msg::RequestKind::restore_snapshot, snapshot, session);
 }
 
-/// Moves axis 1 to `target` and shows every status on the way.
+/// Moves axis 1 to `target`. @return the status hash of every tick.
 std::vector<std::uint64_t> move(EngineUnderTest& bench, std::int32_t target) {
   bench.write(kAlice, 1, 0x607A, target);
   bench.write(kAlice, 1, 0x6040, 0x0F);
@@ -133,7 +132,7 @@ TEST(SnapshotRequest, KeepsUpToSixteenSnapshotsAndDropsThemOnRequest) {
   EXPECT_EQ(take(bench), 17U) << "a number is never used again";
 }
 
-// Taken in ticks 0, 10 and 10; the second is dropped.
+// Taken in ticks 0, 10 and 10; the second snapshot is dropped.
 TEST(SnapshotRequest, ListsTheKeptSnapshotsOneAfterTheOther) {
   EngineUnderTest bench(standing_bench());
   const auto next = [&bench](std::uint64_t after) {

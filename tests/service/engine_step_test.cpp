@@ -25,8 +25,8 @@ service::Arrival step_request(EngineUnderTest& bench, std::uint64_t session, std
   return arrival;
 }
 
-/// Passes the request in and lets time pass as far as it may. @return the answer that is due at
-/// `now`, or nothing.
+/// Handles the request and runs as many ticks as it allows. @return the answer due at `now`, if
+/// any.
 std::optional<msg::Reply> answer_at(EngineUnderTest& bench, service::Arrival arrival, Time now) {
   service::StepRequests& steps = bench.engine.steps();
   steps.handle(arrival, now);
@@ -38,7 +38,7 @@ std::optional<msg::Reply> answer_at(EngineUnderTest& bench, service::Arrival arr
   return bench.reply();
 }
 
-/// @return the answer to a step that is answered at once.
+/// @return the answer to a step that is answered immediately.
 msg::Reply answer_to(EngineUnderTest& bench, const service::Arrival& arrival) {
   return answer_at(bench, arrival, kStart).value_or(msg::Reply{});
 }
@@ -333,7 +333,8 @@ TEST(Watchdog, ReleasesTheAxesOfALostMasterAndFaultsTheEnabledOnes) {
   EXPECT_EQ(bench.acquire(kBob, {1, 2}).reason, msg::Reason::none);
 }
 
-// A reliable write may be delivered long after it was sent: 0Fh in Switch on disabled would enable.
+// A reliable write may be delivered long after it was sent: 0Fh would enable an axis that is in
+// Switch on disabled.
 TEST(Watchdog, ALateWriteDoesNotRegainALostAxis) {
   EngineUnderTest bench;
   bench.acquire(kAlice, {1, 2});
@@ -363,7 +364,7 @@ TEST(Watchdog, AcceptsRequestsAndStepsAsSignsOfLife) {
   bench.steps(90);
   bench.reply_to(bench.make_request(msg::RequestKind::read, kAlice));
   bench.steps(90);
-  for (int tick = 0; tick < 500; ++tick) {  // the owner steps: it counts in each tick
+  for (int tick = 0; tick < 500; ++tick) {  // the owner steps, so each tick is a sign of life
     auto step = step_request(bench, kAlice, 1);
     bench.engine.steps().handle(step, kStart);
     ASSERT_EQ(bench.engine.steps().ticks_to_run(kStart), 1U);
@@ -473,7 +474,7 @@ TEST(Outbox, ReportsTheCountOfDroppedImages) {
   EXPECT_EQ(events[0].detail, service::EventDetail{service::Count{5}});
 }
 
-// 24.9 and 49.7 days of milliseconds: where a count of 32 bits would turn negative or wrap.
+// 24.9 and 49.7 days of milliseconds, where a 32-bit count would turn negative or wrap.
 TEST(BenchEngine, KeepsTimesAndCountsAcross2To31And2To32Ticks) {
   for (const std::uint64_t border : {std::uint64_t{1} << 31U, std::uint64_t{1} << 32U}) {
     EngineUnderTest bench;
@@ -523,8 +524,8 @@ TEST(BenchEngine, GivesTheSameBitsForAnyNumberOfThreads) {
   }
 }
 
-// From 1,024 axes on the threads also share what follows the step: what has changed on which axis,
-// and the copy that is published.
+// From 1,024 axes on, the threads also share the work after the step: finding the changes of each
+// axis and copying the status to publish.
 TEST(BenchEngine, GivesTheSameReportsAndStatusForAnyNumberOfThreads) {
   constexpr std::uint16_t kMany = 1'100;
   std::vector<std::uint16_t> expected_axes;

@@ -43,7 +43,7 @@ void EngineUnderTest::handle_arrivals() {
 
 namespace {
 
-/// @return the answer as the message that leaves.
+/// @return the answer as the message that is sent.
 msg::Reply message_of(const service::OutgoingReply& outgoing) {
   msg::Reply reply = outgoing.reply;
   for (const wire::ShownAxis& axis : outgoing.axes) {
@@ -111,7 +111,7 @@ std::int64_t EngineUnderTest::value(std::uint16_t axis, std::uint16_t index,
 }
 
 msg::CommandFrame EngineUnderTest::make_frame(std::uint64_t session) {
-  // The reply to a read has the epoch of the session and the last frame that arrived.
+  // The reply to a read has the epoch of the session and the number of its last frame.
   const auto reply = reply_to(make_request(msg::RequestKind::read, session));
   msg::CommandFrame frame;
   frame.bench = configuration.bench;
@@ -120,7 +120,7 @@ msg::CommandFrame EngineUnderTest::make_frame(std::uint64_t session) {
   frame.epoch = reply.epoch;
   frame.sequence_number = reply.last_sequence + 1;
   frame.flags = msg::FRAME_WANT_REPLY;
-  static_cast<void>(events(msg::EventKind::refused));  // the read names no object
+  static_cast<void>(events(msg::EventKind::refused));  // refused, because the read names no object
   return frame;
 }
 

@@ -21,15 +21,15 @@ inline constexpr msg::Reason kLocalControl{0x08000021};
 /// @return a lock-step bench number 4 with `axes` default axes and the watchdog at 100 ms.
 [[nodiscard]] service::Configuration bench_configuration(std::size_t axes);
 
-/// An engine with its queues, and helpers for two clients. No network, no clock.
+/// An engine with its queues and helpers for two clients; no network, no clock.
 struct EngineUnderTest {
   explicit EngineUnderTest(const service::Configuration& configuration = bench_configuration(3));
 
-  /// Passes the message in as if it arrived from the network.
+  /// Handles the message as if it had arrived from the network.
   void receive(const msg::CommandFrame& frame);
   void receive(const msg::Request& request);
 
-  /// Passes the request in. @return its reply.
+  /// Handles the request. @return its reply.
   msg::Reply reply_to(const msg::Request& request);
 
   [[nodiscard]] msg::Request make_request(msg::RequestKind kind, std::uint64_t session,
@@ -40,19 +40,19 @@ struct EngineUnderTest {
   msg::Reply read(std::uint16_t axis, std::uint16_t index, std::uint8_t subindex = 0);
   std::int64_t value(std::uint16_t axis, std::uint16_t index, std::uint8_t subindex = 0);
 
-  /// @return a frame with the next sequence number of the session and its current epoch.
+  /// @return a frame with the session's next sequence number and current epoch.
   [[nodiscard]] msg::CommandFrame make_frame(std::uint64_t session);
 
-  /// @return the oldest reply, taken from the outbox.
+  /// Takes the oldest reply from the outbox.
   std::optional<msg::Reply> reply();
 
-  /// @return the oldest command reply, taken from the outbox.
+  /// Takes the oldest command reply from the outbox.
   std::optional<msg::CommandReply> command_reply();
 
-  /// @return the reason of the oldest command reply when it refuses the whole frame.
+  /// Takes the oldest command reply. @return its reason if it refuses the complete frame.
   std::optional<msg::Reason> frame_refusal();
 
-  /// @return the events since the last call that have this kind.
+  /// @return the events of this kind since the last call; events of other kinds are discarded.
   std::vector<service::EventRecord> events(msg::EventKind kind);
 
   void steps(std::uint64_t count);
@@ -68,10 +68,9 @@ struct EngineUnderTest {
   std::uint64_t last_request_ = 0;
 };
 
-/// @return the command of the frame for `axis`, added to it.
+/// Adds a command for `axis` to the frame. @return the command.
 msg::AxisCommand& add_command(msg::CommandFrame& frame, std::uint16_t axis);
 
-/// Gives the command a controlword.
 void set_controlword(msg::AxisCommand& command, std::uint16_t word);
 
 }  // namespace vdrive::test

@@ -41,7 +41,7 @@ TEST(EventLine, HasKeysAndValuesAndTheTextLast) {
             "0x8130\"");
 }
 
-// 500 ppm of a second are 0.5 ms: 10 s take 20,000 s.
+// 500 ppm of a second are 0.5 ms, so 10 s take 20,000 s.
 TEST(EventWords, DescribeAStepOfTheWallClockAndItsCorrection) {
   EXPECT_EQ(words_of({.kind = msg::EventKind::wall_clock,
                       .code = 1,

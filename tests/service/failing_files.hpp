@@ -14,9 +14,10 @@
 
 namespace vdrive::test {
 
-/// The failures of the file operations of a test.
+/// A plan of the failures of a test's file operations.
 struct FilePlan {
-  /// Called before each operation with its number, from 1. An exception of it is the failure.
+  /// Called before each operation with its number, from 1. If it throws, the operation fails with
+  /// that exception.
   std::function<void(std::uint64_t number)> before;
   std::uint64_t count = 0;  ///< operations so far
 
@@ -35,8 +36,8 @@ struct FilePlan {
   throw std::system_error(code, std::generic_category(), "injected");
 }
 
-/// The operations of the system. Each can be counted, made to fail, or be the last action
-/// of a process.
+/// The file operations of the system. They can be counted, made to fail, or interrupted by the end
+/// of the process.
 class FailingFiles final : public service::FileOperations {
  public:
   /// @param plan outlives this object
@@ -67,7 +68,7 @@ class FailingFiles final : public service::FileOperations {
     return files_->read(file, bytes);
   }
 
-  /// Half of it, then the other half: a process can end between them.
+  /// Writes in two halves, so that a process can end in between.
   std::size_t write(int file, std::span<const std::byte> bytes) override {
     plan_.step();
     return files_->write(file, bytes.first((bytes.size() + 1) / 2));

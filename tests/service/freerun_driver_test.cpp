@@ -61,7 +61,7 @@ TEST(FreerunDriver, AnswersRequestsBetweenTwoTicks) {
   EXPECT_EQ(bench.outbox.replies.front()->reply.tick, 6U);
 }
 
-// 10,000 ticks of 5 us are 50 ms: one image at the start and one each millisecond.
+// 10,000 ticks of 5 us take 50 ms: one image at the start and one every millisecond.
 TEST(FreerunDriver, PublishesTheStatusOnceAMillisecondOfWallTime) {
   FreerunBench bench;
   int images = 0;
@@ -105,7 +105,7 @@ TEST(FreerunDriver, HasNoWatchdogByDefault) {
   configuration.watchdog_is_chosen = true;
   FreerunBench with(configuration);
   with.acquire(kAlice, {1});
-  with.cycles(102);  // of 1 ms; 100 are allowed
+  with.cycles(102);  // each 1 ms long; the limit is 100
   EXPECT_EQ(with.counters.master_losses.get(), 1U);
 }
 

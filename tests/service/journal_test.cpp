@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The journal of a bench and its replay, without network and clock.
+// The journal of a bench and its replay, without a network or a clock.
 #include "journal/journal.hpp"
 
 #include "base/event_codes.hpp"
@@ -49,7 +49,7 @@ using service::JournalWriter;
 using service::ReplayResult;
 using testing::HasSubstr;
 
-/// A file that this object removes at its end.
+/// A journal file, removed when this object is destroyed.
 class JournalFile {
  public:
   JournalFile() {
@@ -83,7 +83,7 @@ class JournalFile {
   std::filesystem::path path_;
 };
 
-/// The text of a replay, or of its exception.
+/// @return the text of the replay, or of the exception that it threw.
 std::string failure_of(const JournalFile& file) {
   try {
     return "no failure: " + service::replay(file.path()).text;
@@ -94,11 +94,11 @@ std::string failure_of(const JournalFile& file) {
 
 service::Configuration many_kinds(std::size_t axes) {
   auto configuration = bench_configuration(axes);
-  configuration.name = "it's: a \"bench\"";  // text that YAML has to quote
+  configuration.name = "it's: a \"bench\"";  // needs quotes in YAML
   for (std::size_t axis = 0; axis < axes; ++axis) {
     auto& model = configuration.axes[axis].configuration.model;
     model.coupling = axis % 3 == 1 ? Coupling::two_inertia : Coupling::rigid;
-    model.load_inertia = 1.0e-4 / 3.0 * static_cast<double>(1 + axis);  // no short decimal number
+    model.load_inertia = 1.0e-4 / 3.0 * static_cast<double>(1 + axis);  // not a short decimal
     configuration.axes[axis].configuration.initial_position = static_cast<int>(axis) * 1'000 - 7;
   }
   return configuration;
@@ -119,10 +119,10 @@ struct RecordedBench {
   }
 
   EngineUnderTest bench;
-  Journal journal;  // ends first
+  Journal journal;  // destroyed first
 };
 
-/// A random action of a client; some of them are refused.
+/// Does a random action as a client; some are refused.
 void act_randomly(EngineUnderTest& bench, Random& random) {
   const auto axis = static_cast<std::uint16_t>(1 + random.below(bench.configuration.axes.size()));
   const std::uint64_t session = random.one_in(4) ? kBob : kAlice;
@@ -139,7 +139,7 @@ void act_randomly(EngineUnderTest& bench, Random& random) {
     case 2:
       bench.reply_to(bench.make_request(msg::RequestKind::power_cycle, session, {axis}));
       break;
-    case 3: {  // where one register is refused none is written
+    case 3: {  // if one register is refused, none is written
       auto frame = bench.make_frame(session);
       frame.flags = msg::FRAME_ALL_OR_NOTHING;
       auto& command = add_command(frame, axis);
@@ -163,7 +163,7 @@ void act_randomly(EngineUnderTest& bench, Random& random) {
   while (bench.outbox.command_replies.front() != nullptr) bench.outbox.command_replies.pop();
 }
 
-/// Runs a bench for `ticks` ticks of random actions, with snapshots and their restoration.
+/// Runs the bench for `ticks` ticks with random actions; takes and restores snapshots.
 void record_randomly(RecordedBench& recorded, std::uint64_t seed, std::uint64_t ticks) {
   Random random(seed);
   auto& bench = recorded.bench;
@@ -175,7 +175,7 @@ void record_randomly(RecordedBench& recorded, std::uint64_t seed, std::uint64_t 
       restore.snapshot = 1 + random.below(8);
       bench.reply_to(restore);
     }
-    // Sometimes both sessions are silent for longer than the time of the watchdog.
+    // Now and then both sessions are silent for longer than the watchdog allows.
     bench.steps(random.one_in(50) ? 150 : 1);
     static_cast<void>(bench.events({}));
   }
@@ -221,7 +221,7 @@ TEST(Journal, RecordsNothingOfAFrameThatIsRefusedAsAWhole) {
     auto& command = add_command(frame, 1);
     command.members = msg::HAS_PROFILE_VELOCITY;
     command.profile_velocity = 10;
-    auto& refused = command.objects.emplace_back();  // comes after the members
+    auto& refused = command.objects.emplace_back();  // applied after the members
     refused.index = 0x6041;
     bench.receive(frame);
     ASSERT_EQ(bench.command_reply()->refusals.size(), 1U);
@@ -334,7 +334,7 @@ TEST(Journal, HasTheSameContentWithEveryClock) {
   }
 }
 
-/// Reads a journal and writes it again with `alter` applied to each change.
+/// Rewrites a journal, with `alter` applied to each change.
 template <typename Alter>
 void rewrite(const JournalFile& file, Alter alter) {
   std::istringstream bytes(file.bytes());
@@ -361,7 +361,7 @@ void rewrite(const JournalFile& file, Alter alter) {
   file.set_bytes(altered.str());
 }
 
-/// A journal of a bench whose axis 2 of 3 moves to 10000 from tick 3 on, 2000 ticks long.
+/// Records 2000 ticks of three axes, of which axis 2 moves to 10000 from tick 3 on.
 void record_move(const JournalFile& file) {
   auto configuration = bench_configuration(3);
   configuration.watchdog.reset();
@@ -392,15 +392,15 @@ TEST(Replay, NamesTickAxisAndMemberOfTheFirstDifference) {
   rewrite(file, [](JournalChange& change) {
     if (change.value == 0x0F) change.value = 0x06;
   });
-  // 0x06 leads to Ready to switch on (0x31 in the lower byte) and not to Operation enabled, in the
-  // first tick; nothing has moved then: the statusword is the first member that differs.
+  // In the first tick, 0x06 leads to Ready to switch on (lower byte 0x31) instead of Operation
+  // enabled. Nothing has moved yet, so the statusword is the first member to differ.
   const ReplayResult result = replay_with(file, 1);
   EXPECT_FALSE(result.agrees);
   EXPECT_THAT(result.text,
               HasSubstr("tick 1: axis 2 (axis2), member ds402_statusword (6041h): replayed "));
 }
 
-/// The same two runs in parallel: an oracle without a journal.
+/// Steps the original and the altered bank side by side: an oracle that needs no journal.
 TEST(Replay, FindsTheSameDifferenceAsTwoBanksInParallel) {
   const JournalFile file;
   record_move(file);
@@ -452,7 +452,7 @@ TEST(Replay, NamesTheGroupOfAxesOnALargeBench) {
   rewrite(file, [](JournalChange& change) {
     change.value = 0x06;
   });
-  // Above 256 axes a row covers 64: axis 100 is in the second.
+  // Above 256 axes a row covers 64 axes; axis 100 is in the second row.
   EXPECT_THAT(replay_with(file, 4).text,
               HasSubstr("tick 1: one of axis 65 (axis65) to axis 128 (axis128), member "
                         "ds402_statusword (6041h)"));
@@ -471,7 +471,7 @@ TEST(Replay, ReportsARecordedWriteThatIsNowRefused) {
 
 // ---- damaged files ---------------------------------------------------------------------------
 
-/// FNV-1a over words of 64 bits, the last filled up with zeros (docs/reference/journal.md).
+/// FNV-1a over 64-bit words, the last one padded with zeros (docs/reference/journal.md).
 std::uint64_t fnv(std::string_view bytes) {
   std::uint64_t check = 14695981039346656037ULL;
   for (std::size_t position = 0; position < bytes.size(); position += 8) {
@@ -496,18 +496,18 @@ void put_number(std::string& bytes, std::size_t place, Number number) {
 
 constexpr std::size_t kHead = 24;  // [bytes] of a chunk
 
-/// @return where the chunk after the one at `chunk` begins.
+/// @return the offset of the chunk after the one at `chunk`.
 std::size_t chunk_after(const std::string& bytes, std::size_t chunk) {
   return chunk + kHead + number_at<std::uint32_t>(bytes, chunk + 4);
 }
 
-/// Makes the check of the head fit the three words before it.
+/// Makes the head's checksum match the three words before it.
 void seal_head(std::string& bytes, std::size_t chunk) {
   const std::uint64_t check = fnv(std::string_view(bytes).substr(chunk, 12));
   put_number(bytes, chunk + 12, static_cast<std::uint32_t>(check ^ (check >> 32U)));
 }
 
-/// Makes the check of the content fit.
+/// Makes the content's checksum match.
 void seal_content(std::string& bytes, std::size_t chunk) {
   const auto length = number_at<std::uint32_t>(bytes, chunk + 4);
   put_number(bytes, chunk + 16, fnv(std::string_view(bytes).substr(chunk + kHead, length)));
@@ -529,7 +529,7 @@ TEST(DamagedJournal, ReplaysUpToItsTruncation) {
         " of at least ";
     ASSERT_THAT(result.text, HasSubstr(early));
     EXPECT_THAT(result.text, HasSubstr("of an unfinished chunk"));
-    // 2,002 ticks were recorded; those of the unfinished chunk can be seen, but not relied on.
+    // 2,002 ticks were recorded. Those in the unfinished chunk are visible but not reliable.
     const auto seen = std::stoull(result.text.substr(result.text.find(early) + early.size()));
     EXPECT_GT(seen, result.ticks);
     EXPECT_LE(seen, 2'002U);
@@ -561,8 +561,8 @@ TEST(DamagedJournal, IsRefusedWithDataAfterItsEnd) {
   }
 }
 
-// The start holds 28 bytes of numbers, then the length of the first text. Chunks are start,
-// snapshot, records.
+// The start record holds 28 bytes of numbers, then the length of the first text. The chunks are
+// start, snapshot, records.
 TEST(DamagedJournal, WithAForgedLengthIsRefusedWithoutItsAllocation) {
   const JournalFile file;
   record_move(file);
@@ -585,7 +585,7 @@ TEST(DamagedJournal, WithAForgedLengthIsRefusedWithoutItsAllocation) {
   EXPECT_THAT(failure_of(file), HasSubstr("byte 0: a text of 4294967280 bytes is incomplete"));
 }
 
-// 200 MiB could be a snapshot of many axes, but the file is shorter: it is truncated.
+// A snapshot of many axes could have 200 MiB, but this file is shorter, so it is truncated.
 TEST(DamagedJournal, AllocatesNothingForAChunkBeyondTheFile) {
   const JournalFile file;
   record_move(file);
@@ -621,7 +621,7 @@ TEST(DamagedJournal, RefusesUnknownContent) {
   EXPECT_THAT(failure_of(file), HasSubstr("unknown cause of a snapshot: 4"));
 }
 
-// Journals of open benches have an empty credential directory.
+// In journals of open benches the credential directory is empty.
 TEST(Replay, AcceptsOlderJournalsWithAnEmptyDirectory) {
   const JournalFile file;
   record_move(file);
@@ -657,7 +657,7 @@ TEST(DamagedJournal, NamesThePlaceOfAnyFlippedBit) {
     const std::string failure = failure_of(file);
     ASSERT_THAT(failure, testing::ContainsRegex("byte [0-9]+: "))
         << "byte " << place << ": " << failure;
-    // The named byte is the begin of the damaged chunk.
+    // The message names the offset of the damaged chunk.
     const auto named = std::stoull(failure.substr(failure.find(": byte ") + 7));
     EXPECT_LE(named, place);
   }
@@ -686,8 +686,8 @@ TEST(DamagedJournal, RefusesAnotherVersionOfTheFormat) {
   const JournalFile file;
   record_move(file);
   std::string bytes = file.bytes();
-  // The version follows the head of the chunk (24) and the magic (8); the checks are made to
-  // fit, as those of a newer writer would.
+  // The version follows the head of the chunk (24 bytes) and the magic (8 bytes). The checksums are
+  // made to match, as a newer writer would have them.
   bytes[32] = 3;
   seal_content(bytes, 0);
   file.set_bytes(bytes);
@@ -721,7 +721,7 @@ TEST(Journal, DoesNotOverwriteAFile) {
 
 // ---- slow and full disks ---------------------------------------------------------------------
 
-/// A sink that can be blocked.
+/// Wraps a sink so that it can be blocked.
 class Gate {
  public:
   void close() {
@@ -752,7 +752,7 @@ class Gate {
     };
   }
 
-  /// Waits until the writer stands before the gate.
+  /// Waits until the writer is blocked by the gate.
   void wait_for_writer() {
     std::unique_lock lock(mutex_);
     ASSERT_TRUE(changed_.wait_for(lock, std::chrono::seconds(60), [this] {
@@ -767,7 +767,7 @@ class Gate {
   bool waiting_ = false;
 };
 
-/// Starts a move of every axis that lasts longer than any test: every tick has data to record.
+/// Starts a move of every axis that outlasts any test, so every tick has data to record.
 void start_moving(EngineUnderTest& bench) {
   for (const auto& axis : bench.configuration.axes) {
     bench.write(kAlice, axis.number, 0x6060, 1);
@@ -778,8 +778,8 @@ void start_moving(EngineUnderTest& bench) {
   }
 }
 
-/// A record takes 109 bytes here (kind, image, 23 members, 2 rows), and 64 KiB are handed over at
-/// once: with the gate closed the writer stops after 602 ticks, and kSlots more fit into the queue.
+/// A record takes 109 bytes here (kind, image, 23 members, 2 rows), and the writer gets 64 KiB at a
+/// time: with the gate closed it stops after 602 ticks, and kSlots more fit into the queue.
 constexpr std::uint64_t kTicksBeforeGate = 602;
 
 TEST(SlowJournal, StopsAClockThatCanWaitAndLosesNothing) {
@@ -828,7 +828,7 @@ TEST(SlowJournal, LosesWholeTicksOfTheWallClockReportsAndContinues) {
     EXPECT_EQ(begun[0].code, JournalCode::kLosing);
     EXPECT_GE(bench.counters.journal_losses.get(), 1'000U - 2U);
     EXPECT_LE(bench.counters.journal_losses.get(), 1'002U + kTicksBeforeGate);
-    bench.write(kAlice, 1, 0x6081, 500);  // is missing in the journal, but in its snapshot
+    bench.write(kAlice, 1, 0x6081, 500);  // missing from the journal's records, but in its snapshot
     gate.open();
     const auto deadline = std::chrono::steady_clock::now() + std::chrono::seconds(60);
     std::vector<service::EventRecord> resumed;
@@ -865,7 +865,7 @@ TEST(FullDisk, EndsTheJournalOnly) {
     while (events.empty() && std::chrono::steady_clock::now() < deadline) {
       recorded.bench.steps(10);
       events = recorded.bench.events(msg::EventKind::journal);
-      std::erase_if(events, [](const auto& event) {  // a slow machine may lose some before
+      std::erase_if(events, [](const auto& event) {  // a slow machine may lose some first
         return event.code != JournalCode::kEnded;
       });
     }
@@ -887,13 +887,13 @@ TEST(Journal, AllocatesNothingInTheTickThread) {
   recorded.bench.steps(10);
   gate.close();
   const AllocationGuard guard;
-  recorded.bench.steps(2 * Journal::kSlots);  // with a loss
+  recorded.bench.steps(2 * Journal::kSlots);  // some are lost
   gate.open();
   const auto deadline = std::chrono::steady_clock::now() + std::chrono::seconds(60);
   const std::uint64_t lost = recorded.bench.counters.journal_losses.get();
   while (recorded.bench.counters.journal_ticks.get() < 2 * Journal::kSlots &&
          std::chrono::steady_clock::now() < deadline) {
-    recorded.bench.steps(1);  // and the snapshot after it
+    recorded.bench.steps(1);  // and takes the snapshot that follows the loss
   }
   EXPECT_EQ(guard.count(), 0U);
   EXPECT_GT(lost, 0U);
@@ -901,7 +901,7 @@ TEST(Journal, AllocatesNothingInTheTickThread) {
 
 #ifdef VDRIVE_REPLAY_PROGRAMS
 TEST(Replay, AgreesInBuildsForOtherProcessorsAndInstructionSets) {
-  // What x86-64-v3 has beyond v2; clang 14 does not know the level by its name here.
+  // The features that x86-64-v3 adds to v2; clang 14 does not know the level's name here.
   const bool has_v3 = __builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma") &&
                       __builtin_cpu_supports("bmi") && __builtin_cpu_supports("bmi2");
   if (!has_v3) GTEST_SKIP() << "this processor cannot run them";

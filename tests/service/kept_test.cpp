@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What version 1.0 wrote is read by every later 1.x (docs/reference/compatibility.md).
+// Every 1.x version reads the files that version 1.0 wrote (docs/reference/compatibility.md).
 #include "configuration/configuration_file.hpp"
 #include "journal/journal_file.hpp"
 #include "journal/replay.hpp"
@@ -24,7 +24,7 @@ namespace {
 
 const std::filesystem::path kKept = VDRIVE_SOURCE_DIR "/tests/data/kept/1.0";
 
-/// @return what an axis of the configuration writes at power-up into an object.
+/// @return the value that an axis of the configuration writes to an object at power-up, if any.
 std::optional<std::int64_t> value_in(const std::vector<InitialValue>& values,
                                      ObjectAddress object) {
   const auto found =
@@ -43,7 +43,7 @@ TEST(FilesOf1_0, AConfigurationIsReadToTheSameBench) {
   ASSERT_EQ(bench.axes.size(), 2U);
   const service::NamedAxis& lift = bench.axes[0];
   EXPECT_EQ(lift.name, "lift");
-  // 4096 UU are a turn of the screw: 5 mm.
+  // A turn of the screw is 4096 UU, 5 mm.
   EXPECT_EQ(lift.unit, (Unit{.kind = UnitKind::linear, .name = "mm", .size = 819.2}));
   EXPECT_EQ(value_in(lift.configuration.parameters, {0x607D, 1}), -8'192);
   EXPECT_EQ(value_in(lift.configuration.parameters, {0x607D, 2}), 245'760);
@@ -95,8 +95,8 @@ TEST(FilesOf1_0, AJournalHasItsConfigurationChangesAndTicks) {
   EXPECT_EQ(speed->value, 1'234);
 }
 
-// Of another minor version the state may have another layout; then a line says which version wrote
-// it.
+// Another minor version may lay the state out differently; the refusal then names the version that
+// wrote the journal.
 TEST(FilesOf1_0, AJournalIsReplayedToTheSameBitsOrRefusedWithItsVersion) {
   std::ifstream file(kKept / "run.journal", std::ios::binary);
   const service::JournalStart start = service::JournalReader(file).start();

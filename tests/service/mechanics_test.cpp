@@ -28,7 +28,7 @@ Configuration bench_in(const std::string& text) {
   return parse_configuration(text, "bench.yaml");
 }
 
-/// @return the axis of a bench with one; `rest` has its other keys.
+/// @return the only axis of a bench; `rest` has its other keys.
 NamedAxis axis_with(const std::string& mechanics, const std::string& rest = "") {
   return bench_in("axes:\n  - number: 1\n    mechanics: " + mechanics + "\n" + rest).axes.front();
 }
@@ -42,8 +42,8 @@ std::string refusal_of_mechanics(const std::string& mechanics, const std::string
   return "accepted";
 }
 
-// 4096 UU a turn of the load over 5 mm are 819.2 UU/mm. 2000 rpm of the motor are 200 rpm of the
-// screw: 200 x 4096 / 60 = 13653.3 UU/s. The ramps of the default axis, a tenth of them.
+// 4096 UU for a turn of the load over 5 mm are 819.2 UU/mm. 2000 rpm at the motor are 200 rpm at
+// the screw: 200 x 4096 / 60 = 13653.3 UU/s. The ramps are a tenth of the default axis's.
 TEST(Mechanics, OfAScrewGiveUnitGearAndSpeeds) {
   const NamedAxis axis = axis_with("{screw: {pitch: 5mm}, gear: 10:1}");
   EXPECT_EQ(axis.unit, (Unit{.kind = UnitKind::linear, .name = "mm", .size = 819.2}));
@@ -59,7 +59,8 @@ TEST(Mechanics, OfAScrewGiveUnitGearAndSpeeds) {
   EXPECT_EQ(bank.read(0, {0x5E11, 0}).value, 13'653) << "what the drive makes of it";
 }
 
-// 6064h counts at the motor: 40960 UU a turn of the screw, and the motor's speeds are as ever.
+// 6064h counts at the motor, with 40960 UU for a turn of the screw; the speeds of the motor are
+// unchanged.
 TEST(Mechanics, OfAnAxisWithOneEncoderCountAtItsMotor) {
   const NamedAxis axis = axis_with("{screw: {pitch: 5mm, starts: 2}, gear: 10:1}",
                                    "    model: {feedback: single_encoder}\n");
@@ -179,7 +180,7 @@ TEST(Mechanics, DoNotHideOtherMistakesOfTheirAxis) {
   EXPECT_THAT(wrong, Not(HasSubstr("profile_velocity"))) << "its unit is not known";
 }
 
-// 5 mm over 4096 are 1.2207 um.
+// 5 mm over 4096 UU are 1.2207 um.
 TEST(Mechanics, RefuseAFinerResolutionThanThatOfAUserUnit) {
   EXPECT_EQ(refusal_of_mechanics("{screw: {pitch: 5mm}, resolution: 1um}"),
             "bench.yaml:3: axes[0].mechanics.resolution = 1um: is finer than one user unit (1.2207 "
@@ -243,7 +244,7 @@ TEST(Mechanics, AreAdvisedWhereAUnitContradictsTheDrive) {
               IsEmpty());
 }
 
-// 2000 rpm behind a gear of ten to one: 13653.3 UU/s.
+// 2000 rpm at the motor are 13653.3 UU/s after a gear of 10:1.
 TEST(Mechanics, WarnOfASpeedLimitThatTheMotorDoesNotReach) {
   const std::string axis =
       "axes: [{number: 1, parameters: {gear_ratio_denominator: 10, app_speed_limit: ";
@@ -256,12 +257,12 @@ TEST(Mechanics, WarnOfASpeedLimitThatTheMotorDoesNotReach) {
   EXPECT_THAT(start_warnings(bench_in(axis + "13653}}]")), IsEmpty());
 }
 
-/// @return the warnings of a bench with one axis; `keys` are behind its number.
+/// @return the warnings of a bench with one axis; `keys` follow its number.
 std::vector<std::string> warnings_of_axis(const std::string& keys) {
   return start_warnings(bench_in("axes: [{number: 1, " + keys + "}]"));
 }
 
-// 4096 UU of a micrometre are 4.096 mm.
+// A turn is 4096 UU; at a micrometre each, that is 4.096 mm.
 TEST(Mechanics, AreAdvisedWhereAUserUnitIsSaidToBeADecimalPartOfALength) {
   EXPECT_THAT(warnings_of_axis("unit: {kind: linear, name: um, per_unit: 1}"),
               ElementsAre("bench.yaml:1: axes[0].unit: axis 1 axis1: unit has per_unit = 1, and a "
@@ -308,7 +309,7 @@ TEST(Mechanics, WarnOfASoftwareLimitWithoutAUnitAndTakeItAsUserUnits) {
   }
 }
 
-// 2000 rpm behind a gear of ten to one: 13653.3 UU/s, 4096 of which are 360 deg/s.
+// 2000 rpm at the motor are 13653.3 UU/s after a gear of 10:1; 4096 UU are 360 deg.
 TEST(Mechanics, WarnOfAProfileVelocityThatTheMotorDoesNotReach) {
   const std::string gear = "parameters: {gear_ratio_denominator: 10, profile_velocity: ";
   EXPECT_THAT(

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The counters of a bench, as the monitoring reads them.
+// The counters of a bench as a monitoring system reads them.
 #include "program/metrics.hpp"
 
 #include "program/metrics_endpoint.hpp"
@@ -62,7 +62,7 @@ class MetricsTest : public testing::Test {
                  }}};
   }
 
-  /// Set before a request that reads them.
+  /// To be set before a request that reads them.
   ProbeAnswer alive_{.is_good = true, .text = "bench 4 is alive"};
   ProbeAnswer ready_{.is_good = false, .text = "bench 4 has no network"};
   MetricsEndpoint sut_ = endpoint("127.0.0.1", 0);
@@ -95,7 +95,7 @@ TEST_F(MetricsTest, AreServedAsPrometheusText) {
   }
 }
 
-// A figure is a row of the IDL: name, kind, unit and help follow from it.
+// Each figure is a member in the IDL, from which its name, kind, unit and help follow.
 TEST_F(MetricsTest, HaveEachFigureOfABench) {
   const std::map<std::string_view, std::string> renamed{
       {"overruns", "vdrive_tick_overruns_total"},
@@ -114,7 +114,7 @@ TEST_F(MetricsTest, HaveEachFigureOfABench) {
                                                           (is_counter ? "_total" : "");
     EXPECT_THAT(answer, HasSubstr("# TYPE " + name + (is_counter ? " counter\n" : " gauge\n")));
     EXPECT_THAT(answer, HasSubstr("\n" + name + "{bench=\"4\""));
-    if (name == "vdrive_queue_depth") return;  // one help for all queues
+    if (name == "vdrive_queue_depth") return;  // all queues share one help text
     EXPECT_THAT(answer, HasSubstr("# HELP " + name + " " + std::string(figure.help) + "\n"));
   });
 }
@@ -140,7 +140,7 @@ TEST_F(MetricsTest, ShowTheStateOfTheNetworkProcess) {
 }
 
 TEST_F(MetricsTest, ShowTheLatenessOfTicksAsAHistogram) {
-  // Bins are powers of two of microseconds: 0.5 us is below 1 us, 3 us below 4 us.
+  // The bins are powers of two of microseconds: 0.5 us is below 1 us, 3 us below 4 us.
   counters_.count_lateness(500ns);
   counters_.count_lateness(3us);
   counters_.count_lateness(3us);
@@ -201,10 +201,10 @@ TEST_F(MetricsTest, IgnoreAQueryString) {
   EXPECT_THAT(http_get(sut_.port(), "/?/metrics"), StartsWith("HTTP/1.1 404"));
 }
 
-/// Connections without a reader; closed with this object.
+/// Connections that never read; closed in the destructor.
 class IdleConnections {
  public:
-  /// @param words what each of them sends
+  /// @param words the text that each connection sends
   IdleConnections(int port, int count, const std::string& words) {
     for (int i = 0; i < count; ++i) {
       connections_.push_back(connected(port));
@@ -258,7 +258,7 @@ TEST_F(MetricsTest, NameAnAddressAndPortThatCannotBeHad) {
   const std::string port = "metrics.port = " + std::to_string(sut_.port());
   EXPECT_THAT(refusal("127.0.0.1"),
               StartsWith(port + ": cannot listen on this port of 127.0.0.1: "));
-  // No interface of any machine has an address of the documentation (RFC 5737).
+  // This address is reserved for documentation (RFC 5737), so no interface has it.
   EXPECT_THAT(refusal("192.0.2.1"),
               StartsWith(port + ": cannot listen on this port of 192.0.2.1: "));
 }

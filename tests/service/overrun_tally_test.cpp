@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Late ticks as few events.
+// Late ticks are summarised in a few events.
 #include "clock/overrun_tally.hpp"
 
 #include <gtest/gtest.h>
@@ -12,9 +12,9 @@ namespace {
 
 using namespace std::chrono_literals;
 
-/// What is reported of ticks at 1 kHz.
+/// Runs ticks at 1 kHz and collects the reports.
 struct Ticks {
-  /// @param late how far each tick ends past its deadline, below 0 = in time
+  /// @param late how long after its deadline each tick ends; negative = in time
   void run(std::chrono::milliseconds duration, std::chrono::microseconds late) {
     for (const auto end = now + duration; now < end; now += 1ms) {
       if (const auto report = tally.note(now, late)) reports.push_back(*report);
@@ -46,7 +46,7 @@ TEST(OverrunTally, CountsThoseOfASpanAndKeepsTheWorst) {
   ticks.run(2ms, 100us);
   ticks.run(1s, -200us);
   ASSERT_EQ(ticks.reports.size(), 2U);
-  // A second after the first; the others began 1 ms after it.
+  // The span ends a second after the first late tick; the others began 1 ms after that.
   EXPECT_EQ(ticks.reports[1], (Overruns{3, 900us, 999ms}));
 }
 

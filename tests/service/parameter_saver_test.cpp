@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Store orders of the stepping thread, and the saves that follow.
+// Store orders from the stepping thread, and the saves that follow them.
 #include "store/parameter_saver.hpp"
 
 #include "service/failing_files.hpp"
@@ -41,7 +41,7 @@ class Saver : public testing::Test {
     saver.push();
   }
 
-  /// Takes all finished orders. @return their errors.
+  /// Takes all finished orders. @return their error numbers.
   static std::vector<int> errors(ParameterSaver& saver) {
     std::vector<int> errors;
     while (const StoreOrder* const order = saver.returned()) {

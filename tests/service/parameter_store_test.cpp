@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Stored parameters on a disk: what is loaded after any damage to the files.
+// Stored parameters on a disk, and what is loaded after any damage to the files.
 #include "store/parameter_store.hpp"
 
 #include "base/event_codes.hpp"
@@ -49,17 +49,17 @@ using service::ParameterTable;
 using Source = LoadedParameters::Source;
 
 constexpr std::uint32_t kBenchOfStore = 7;
-constexpr std::uintmax_t kLegible = 1U << 20U;  // larger files are compared by their size
+constexpr std::uintmax_t kLegible = 1U << 20U;  // larger files are compared by size
 constexpr ObjectAddress kStoredVelocity{0x6081, 0};
 constexpr ObjectAddress kLowerLimit{0x607D, 1};
 
-/// @return axes 1 and 2 with values that encode the generation.
+/// @return a table of axes 1 and 2 whose values encode the generation.
 ParameterTable table_of(std::int64_t generation) {
   return {{1, {{kLowerLimit, -generation}, {kStoredVelocity, generation}}},
           {2, {{kStoredVelocity, 5}}}};
 }
 
-/// @return the generation of a table, if it is one of `table_of` in full.
+/// @return the generation of the table if it is complete and made by `table_of`.
 std::optional<std::int64_t> generation_of(const ParameterTable& table) {
   const auto axis = table.find(1);
   if (axis == table.end() || axis->second.size() != 2) return std::nullopt;
@@ -114,12 +114,12 @@ TEST(ParameterFile, DetectsEveryTruncationAndExtension) {
   EXPECT_THROW((void)decode(bytes_of(good + good)), ParameterFileError);
 }
 
-/// @return the file with the content changed and the check made to fit.
+/// @return the file with its content changed and a matching checksum.
 std::string forged(const std::string& file, const std::string& from, const std::string& to) {
   std::string content = file.substr(file.find('\n') + 1);
   content.replace(content.find(from), from.size(), to);
   std::uint64_t check =
-      14695981039346656037ULL;  // FNV-1a over words, as docs/reference/journal.md has it
+      14695981039346656037ULL;  // FNV-1a over words, as in docs/reference/journal.md
   for (std::size_t place = 0; place < content.size(); place += sizeof(std::uint64_t)) {
     std::uint64_t word = 0;
     std::memcpy(&word, content.data() + place, std::min(sizeof(word), content.size() - place));
@@ -131,7 +131,7 @@ std::string forged(const std::string& file, const std::string& from, const std::
   return head.str() + content;
 }
 
-// The parser of JSON makes whole numbers of these.
+// The JSON parser turns these into integers.
 TEST(ParameterFile, WithACorrectChecksumIsDamagedByAnInvalidValue) {
   const std::string good = encode({{1, {{kStoredVelocity, 1}}}});
   ASSERT_EQ(forged(good, ": 1", ": 1"), good) << "the check of this test is right";
@@ -147,8 +147,8 @@ TEST(ParameterFile, WithACorrectChecksumIsDamagedByAnInvalidValue) {
 TEST(ParameterFile, WithACorrectChecksumIsDamagedByAnInvalidForm) {
   const std::string good = encode({{1, {{kStoredVelocity, 1}}}});
   for (const auto& [from, to] : std::vector<std::pair<std::string, std::string>>{
-           {"\"1\"", "\"01\""},              // another name of axis 1
-           {"\"1\"", "\"0x1\""},             // and another
+           {"\"1\"", "\"01\""},              // another spelling of axis 1
+           {"\"1\"", "\"0x1\""},             // another spelling
            {"\"1\"", "\"65537\""},           // no axis has this number
            {"0x6081", "0x16081"},            // no object has this index
            {": 1", ": 1, \"0x6081:0\": 2"},  // an object twice
@@ -171,7 +171,7 @@ class StateDirectory : public testing::Test {
                                             std::make_unique<FailingFiles>(plan));
   }
 
-  /// Saves as a service does that runs and ends. @return what it loaded before.
+  /// Saves as a service would that runs and ends. @return the parameters loaded before.
   LoadedParameters save(std::int64_t generation) {
     const auto store = open();
     LoadedParameters loaded = store->load();
@@ -231,7 +231,7 @@ TEST_F(StateDirectory, BelongsToOneServiceForEachBench) {
   EXPECT_NO_THROW(ParameterStore(directory.path(), kBenchOfStore + 1));
 }
 
-/// What can happen to the file.
+/// A way to damage the file.
 struct Damage {
   const char* name;
   ParameterProblem problem;
@@ -371,7 +371,7 @@ TEST_F(StateDirectory, IgnoresAnUnfinishedFile) {
 TEST_F(StateDirectory, ThatIsReadOnlyLoadsAndRefusesToSave) {
   save(1);
   fs::remove(directory.path() / "bench-7.lock");
-  // Permissions do not bind a superuser: the test seam refuses every change.
+  // File permissions do not bind root, so the test seam refuses every change.
   plan.set([](std::uint64_t number) {
     if (number == 5) fail_with(EROFS);  // the lock file, after four steps on the directory
   });
@@ -389,7 +389,7 @@ TEST_F(StateDirectory, ThatIsFullKeepsTheStoredSet) {
   const auto store = open();
   static_cast<void>(store->load());
   plan.set([](std::uint64_t number) {
-    if (number == 3) fail_with(ENOSPC);  // the first write, after a check and open
+    if (number == 3) fail_with(ENOSPC);  // the first write, after a check and an open
   });
   EXPECT_THROW(store->save(table_of(2)), std::system_error);
   plan.set({});
@@ -401,10 +401,10 @@ TEST_F(StateDirectory, ThatIsFullKeepsTheStoredSet) {
 
 // ---- every operation fails -------------------------------------------------------------------
 
-/// How long an operation fails.
+/// The parameter: whether all later operations fail as well.
 class FailingOperation : public StateDirectory, public testing::WithParamInterface<bool> {
  protected:
-  /// Makes the operation `first` fail, and with `for_ever` all after it.
+  /// Makes operation `first` fail, and all later ones if the parameter is true.
   void fail(std::uint64_t first) {
     plan.set([first, for_ever = GetParam()](std::uint64_t number) {
       if (number == first || (for_ever && number > first)) fail_with(EIO);
@@ -439,7 +439,7 @@ TEST_P(FailingOperation, OfASaveLeavesAWholeSetAndNeverLosesASavedOne) {
     const LoadedParameters loaded = load();
     EXPECT_EQ(loaded.problem, ParameterProblem::none);
     const auto generation = generation_of(loaded.table);
-    // A refused set comes back only where it could not be taken away again either.
+    // A set whose save has failed is loaded only if it could not be removed either.
     EXPECT_TRUE(generation == 3 ? is_saved || GetParam() : generation == 2 && !is_saved);
     save(4);
     EXPECT_EQ(generation_of(load().table), 4) << "once nothing fails any more";
@@ -572,8 +572,8 @@ INSTANTIATE_TEST_SUITE_P(Parameters, FailingOperation, testing::Bool(), [](const
 
 // ---- killed at every step --------------------------------------------------------------------
 
-/// A service that saves one generation after the other, reports each save, and is killed
-/// before its file operation `last`.
+/// Saves one generation after the other, reports each save, and is killed before its file operation
+/// number `last`.
 [[noreturn]] void save_until_killed(const fs::path& directory, std::uint64_t last, int pipe_end) {
   FilePlan plan;
   plan.set([last](std::uint64_t number) {
@@ -747,7 +747,7 @@ TEST(StateDirectoryRights, MayBeReachedThroughALinkOfItsOwnUserAndItsFilesMayNot
 
 constexpr uid_t kStranger = 65'534;
 
-/// A stranger needs a second user, whom only root can become.
+/// Needs a second user, and only root can act as one.
 class StateDirectoryAndAStranger : public testing::Test {
  protected:
   void SetUp() override {
@@ -761,7 +761,7 @@ class StateDirectoryAndAStranger : public testing::Test {
 TEST_F(StateDirectoryAndAStranger, WhoCannotHoldItsLock) {
   const fs::path directory = parent_.path() / "state";
   fs::create_directory(directory);
-  fs::permissions(directory, fs::perms{0755});  // as earlier versions left it
+  fs::permissions(directory, fs::perms{0755});  // as earlier versions created it
   { const ParameterStore store(directory, kBenchOfStore); }
   const std::string flock = "setpriv --reuid=65534 --clear-groups flock --nonblock " +
                             (directory / "bench-7.lock").string() + " true 2>/dev/null";

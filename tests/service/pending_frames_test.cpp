@@ -79,7 +79,7 @@ TEST(PendingFrames, GiveEachCommandBackWithItsObjects) {
   auto small = frame_of(2);
   ASSERT_TRUE(frames.insert(5, large));
   ASSERT_TRUE(frames.insert(6, small));
-  // Into a frame that has others, and into an empty one.
+  // First into a frame that has other commands, then into an empty one.
   auto due = frame_of(3);
   for (const std::uint16_t size : {std::uint16_t{msg::MAX_AXES_PER_FRAME}, std::uint16_t{2}}) {
     ASSERT_TRUE(frames.take_due(6, due));

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The axes of deploy/axes: each is good, has the units, speeds and ramps that
-// docs/reference/presets.md says, moves without ringing and settles in the time of that table.
+// Each axis of deploy/axes is valid, has the units, speeds and ramps listed in
+// docs/reference/presets.md, moves without ringing and settles within the time listed there.
 #include "configuration/presets.hpp"
 
 #include "configuration/configuration_file.hpp"
@@ -38,8 +38,8 @@ struct Machine {
   const char* name;
   UnitKind kind;
   const char* unit;
-  double gear;        ///< turns of the motor for one of the load
-  const char* turn;   ///< how far a turn of the load moves it
+  double gear;        ///< turns of the motor per turn of the load
+  const char* turn;   ///< travel per turn of the load
   const char* speed;  ///< 6081h
   const char* ramp;   ///< 6083h and 6084h
   std::int64_t settling_ms;
@@ -53,8 +53,8 @@ struct Machine {
 constexpr UnitKind kLinear = UnitKind::linear;
 constexpr UnitKind kRotary = UnitKind::rotary;
 
-// A belt on a drum of 80 mm moves it by 80 mm x pi = 251.3 mm a turn, one on 20 mm by 62.83 mm. A
-// toothed belt has 20 teeth of 2 mm a turn.
+// A belt on a drum of 80 mm moves by 80 mm x pi = 251.3 mm a turn, one on 20 mm by 62.83 mm. A
+// toothed belt moves by 20 teeth of 2 mm a turn.
 const std::vector<Machine> kMachines{
     {"ball-screw", kLinear, "mm", 1, "10 mm", "400 mm/s", "4 m/s2", 5},
     {"conveyor", kLinear, "mm", 10, "251.3 mm", "500 mm/s", "1 m/s2", 5},
@@ -72,7 +72,7 @@ std::filesystem::path file_of(const std::string& name) {
   return std::filesystem::path(VDRIVE_SOURCE_DIR) / "deploy" / "axes" / (name + ".yaml");
 }
 
-/// @return the line of docs/reference/presets.md about a preset; empty = there is none.
+/// @return the line about the preset in docs/reference/presets.md; empty = none.
 std::string row_of_document(const std::string& name) {
   std::ifstream document(std::filesystem::path(VDRIVE_SOURCE_DIR) / "docs/reference/presets.md");
   const std::string begin = "| `" + name + "` |";
@@ -82,7 +82,7 @@ std::string row_of_document(const std::string& name) {
   return "";
 }
 
-/// @return [UU], [UU/s] or [UU/s²]; 0 where the axis has no such unit.
+/// @return the value in [UU], [UU/s] or [UU/s²]; 0 if the axis has no unit of this dimension.
 double in_user_units(std::string text, Dimension dimension, const Unit& unit) {
   std::erase(text, ' ');
   return to_user_units(read_quantity(text, dimension), unit).value_or(0.0);
@@ -115,7 +115,7 @@ TEST(Presets, AreNumberedAndNamedAsDefaultAxes) {
   EXPECT_EQ(axes[0].number, 1);
   EXPECT_EQ(axes[2].number, 3);
   EXPECT_EQ(axes[2].name, "axis3");
-  // 4096 UU a turn of 10 mm.
+  // 4096 UU are a turn of 10 mm.
   for (const NamedAxis& axis : axes) {
     EXPECT_EQ(axis.unit, (Unit{.kind = UnitKind::linear, .name = "mm", .size = 409.6}));
   }
@@ -137,12 +137,12 @@ TEST_P(Preset, HasLoopsAndLimitsThatNeedNoWarning) {
   EXPECT_THAT(loop_warnings(file), IsEmpty());
 }
 
-/// Windows about the target [UU]: a thousandth and a hundredth of a turn of the encoder.
+/// Windows around the target [UU]: a thousandth and a hundredth of an encoder turn.
 constexpr std::int64_t kNear = 4;
 constexpr std::int64_t kSwing = 41;
 
 constexpr int kLongestMotion = 20'000;  // [ticks]
-constexpr int kWatched = 2'000;         // [ticks] behind the end of the demand
+constexpr int kWatched = 2'000;         // [ticks] after the end of the demand
 
 void put_value(AxisBank& bank, ObjectRow row, std::int64_t value) {
   ASSERT_EQ(bank.write(0, row, value), AbortCode::none) << describe(row).variable_name;
@@ -152,7 +152,7 @@ std::int64_t get_value(const AxisBank& bank, ObjectRow row) {
   return bank.read(0, row).value;
 }
 
-/// An axis of a preset, enabled in profile position mode; a holding brake has opened.
+/// An axis of the preset, enabled in profile position mode, with its holding brake open.
 AxisBank enabled_axis(const std::string& preset) {
   const std::vector<NamedAxis> axes = preset_axes(preset, 1);
   AxisBank bank(std::span(&axes.front().configuration, 1), 1ms);
@@ -162,15 +162,15 @@ AxisBank enabled_axis(const std::string& preset) {
   return bank;
 }
 
-/// @return how long the acceleration of a ramp grows [ms]; 0 = it has no limit of its jerk.
+/// @return the time in which a ramp's acceleration builds up [ms]; 0 = jerk is not limited.
 double jerk_time(const AxisBank& bank) {
   if (get_value(bank, "motion_profile_type"_object) != 3) return 0.0;
   const auto ramp = static_cast<double>(get_value(bank, "profile_acc"_object));
   return 1'000.0 * ramp / static_cast<double>(get_value(bank, "profile_jerk_1"_object));
 }
 
-/// @return a target that is far enough for the speed of the axis: each of its ramps lasts v/a and
-///         its jerk time, at v/2 on average.
+/// @return a target far enough for the axis to reach its speed: each ramp takes v/a plus the jerk
+///         time, at v/2 on average.
 std::int32_t far_target(const AxisBank& bank) {
   constexpr double kMore = 1.2;
   const auto speed = static_cast<double>(get_value(bank, "profile_velocity"_object));
@@ -185,14 +185,14 @@ void start_move(AxisBank& bank, std::int32_t target) {
   put_value(bank, "ds402_controlword"_object, 0x001F);
 }
 
-/// How the load comes to rest behind the end of the demand.
+/// How the load comes to rest after the end of the demand.
 struct Settling {
-  std::int64_t ticks = 0;   ///< after which it has been within a window for good
-  std::int64_t swings = 0;  ///< times that it was outside of the window
+  std::int64_t ticks = 0;   ///< until it stays within the window
+  std::int64_t swings = 0;  ///< times that it left the window
 };
 
-/// Moves to `target`. A home switch (5E21h) about it sees where the load is, which the encoder of
-/// the motor does not.
+/// Moves to `target`. A home switch (5E21h) around the target detects where the load is, which the
+/// motor's encoder does not.
 Settling settle_at(AxisBank& bank, std::int32_t target, std::int64_t window) {
   constexpr unsigned kHomeSwitch = 1U << 2U;  // of 60FDh
   put_value(bank, "test_switch_home"_object, target - window);
@@ -223,7 +223,7 @@ TEST_P(Preset, HasTheUnitsOfItsMachineAndItsSpeeds) {
   const AxisBank bank(std::span(&axis.configuration, 1), 1ms);
   EXPECT_EQ(axis.unit.kind, machine.kind);
   EXPECT_EQ(axis.unit.name, machine.unit);
-  // All have one encoder, on the motor. The lengths of a turn have four digits.
+  // All have one encoder, on the motor. The lengths of a turn in the table have four digits.
   const double turn = kUserUnitsPerRevolution * machine.gear;
   EXPECT_NEAR(in_user_units(machine.turn, Dimension::position, axis.unit), turn, 2.0e-4 * turn);
   const auto speed = static_cast<double>(get_value(bank, "profile_velocity"_object));
@@ -244,8 +244,8 @@ TEST_P(Preset, HasItsRowInTheDocument) {
   EXPECT_THAT(row_of_document(machine.name), EndsWith(cells));
 }
 
-// A load that rings is outside of the window again and again, on one side and on the other. One
-// that does not may come to rest from one side, and swing once to the other.
+// A load that rings leaves the window again and again, on both sides. One that does not may
+// approach from one side and swing once to the other.
 constexpr std::int64_t kMostSwings = 2;
 
 TEST_P(Preset, MovesWithoutRingingAndSettlesInItsTime) {

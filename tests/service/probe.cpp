@@ -49,7 +49,7 @@ Probe::Probe(const wire::NetworkSettings& network, std::uint32_t bench)
         descriptions_.push_back(m);
       })),
       state_reader_(*participant_, keep<msg::BenchState>([this](const auto& message) {
-        // The probe of a wire sends bench 0, to see that discovery works.
+        // A wire's own probe sends bench 0, to check that discovery works.
         if (message.bench != 0) state_ = message;
       })),
       status_reader_(*participant_, keep<msg::StatusFrame>([this](const auto& message) {

@@ -17,21 +17,21 @@
 
 namespace vdrive::test {
 
-/// A client made of bare topics: it sends what the client library would never send, and keeps
-/// everything that comes back.
+/// A client built on bare topics. It can send what the client library never would, and keeps every
+/// message that it receives.
 class Probe {
  public:
-  static constexpr std::chrono::seconds kPatience{40};  // a busy machine
+  static constexpr std::chrono::seconds kPatience{40};  // long enough for a busy machine
 
   explicit Probe(std::uint32_t domain, std::uint32_t bench = 1)
       : Probe({.domain = domain}, bench) {}
 
   Probe(const wire::NetworkSettings& network, std::uint32_t bench);
 
-  /// Waits until the bench is announced and receives requests. @return false after `kPatience`.
+  /// Waits until the bench is announced and can receive requests. @return false after `kPatience`.
   [[nodiscard]] bool find_bench();
 
-  /// @return a request of `kind` with the next number.
+  /// @return a request of `kind` with the next request number.
   [[nodiscard]] msg::Request make_request(msg::RequestKind kind);
 
   /// Sends the request. @return its reply, or nothing after `kPatience`.
@@ -42,24 +42,24 @@ class Probe {
   std::optional<msg::Reply> read(std::uint16_t axis, std::uint16_t index);
   std::optional<msg::Reply> write(std::uint16_t axis, std::uint16_t index, std::int64_t value);
 
-  /// @return a frame of this session with its next number and current epoch.
+  /// @return a frame of this session with its next sequence number and current epoch.
   [[nodiscard]] msg::CommandFrame make_frame();
   bool send(const msg::CommandFrame& frame);
 
-  /// Waits for the reply to that command frame. @return nothing after `kPatience`.
+  /// Waits for the reply to command frame `sequence`. @return nothing after `kPatience`.
   std::optional<msg::CommandReply> reply_to(std::uint64_t sequence);
 
-  /// Waits until `condition` holds for an event. @return nothing after `kPatience`.
+  /// Waits for an event that meets `condition`. @return nothing after `kPatience`.
   std::optional<msg::Event> event(const std::function<bool(const msg::Event&)>& condition);
 
-  /// Waits until `condition()` holds; it is evaluated after each message and may use what
-  /// was seen. @return false after `kPatience`.
+  /// Waits until `condition()` holds. It is evaluated after each message and may use the seen_...()
+  /// functions. @return false after `kPatience`.
   [[nodiscard]] bool wait_until(const std::function<bool()>& condition);
 
-  /// @return whom its messages come from.
+  /// @return the source of its messages.
   [[nodiscard]] wire::Source source() const { return participant_->source(); }
 
-  // What was seen; inside of a condition only.
+  // The messages received; for use inside a condition only.
   [[nodiscard]] const std::vector<msg::BenchDescription>& seen_descriptions() const {
     return descriptions_;
   }
@@ -72,11 +72,11 @@ class Probe {
 
   [[nodiscard]] bool seen_offline() const;
 
-  // Copies, for everywhere else.
+  // Copies, for use anywhere else.
   [[nodiscard]] std::vector<msg::BenchDescription> descriptions();
   [[nodiscard]] std::optional<msg::StatusFrame> status();
 
-  std::uint64_t client = next_client();  ///< another program is another client
+  std::uint64_t client = next_client();  ///< each probe acts as another program
   std::uint64_t session = 0x5678;
   std::uint64_t incarnation = 0;
   std::uint32_t epoch = 0;

@@ -29,10 +29,10 @@ namespace {
 using namespace std::chrono_literals;
 using Clock = std::chrono::steady_clock;
 
-/// A running program with its output; ends with this object.
+/// A running program and its output; ended by the destructor.
 class Process {
  public:
-  /// @param output the file that is its standard output; none = with its errors
+  /// @param output the file for its standard output; none = together with its errors
   explicit Process(std::vector<std::string> arguments, const char* output = nullptr) {
     arguments.insert(arguments.begin(), VDRIVE_SERVICE);
     std::array<int, 2> ends{};
@@ -161,7 +161,7 @@ TEST(ServiceProcess, ThatStartedLaterEndsWhenTwoShareABenchNumber) {
   Process older(with_domain({"--bench", "9"}));
   Probe probe(test_domain(), 9);
   ASSERT_TRUE(probe.find_bench());
-  older.send(SIGSTOP);  // silent while the other one checks the bench number
+  older.send(SIGSTOP);  // silent while the other checks the bench number
   Process younger(with_domain({"--bench", "9"}));
   ASSERT_TRUE(probe.wait_until([&] {
     return probe.seen_descriptions().back().incarnation != probe.incarnation;
@@ -195,7 +195,7 @@ TEST(ServiceProcess, PublishesTheFirstStatusOfAThousandAxesWithinASecond) {
   ASSERT_TRUE(probe.wait_until([&] {
     return probe.seen_status().has_value();
   }));
-  // The budget is proved by the benchmark; this bound only notices a blunder on a loaded machine.
+  // A benchmark checks the budget; this bound only catches a blunder on a loaded machine.
   EXPECT_LT(Clock::now() - begin, 3s);
   EXPECT_EQ(probe.status()->parts, 4U);
 }
@@ -250,7 +250,8 @@ TEST(ServiceProcess, HasAxesOfAPreset) {
   EXPECT_EQ(one.text().find("axis2"), std::string::npos);
 }
 
-// CLI11 alone says "Could not convert", without the limits, and refuses what every file may have.
+// CLI11 alone reports "Could not convert" without the limits, and refuses notations that files
+// allow.
 TEST(ServiceProcess, NamesOptionValueAndLimitsOfANumber) {
   struct Row {
     const char* option;
@@ -276,8 +277,8 @@ TEST(ServiceProcess, NamesOptionValueAndLimitsOfANumber) {
   EXPECT_NE(service.text().find("domain: 10\n"), std::string::npos) << service.text();
 }
 
-// CLI11 takes an empty value for none: the bench started open, on the default domain, or without a
-// journal.
+// CLI11 takes an empty value for a missing one. The bench would start open, on the default domain,
+// or without a journal.
 TEST(ServiceProcess, RefusesAnEmptyValue) {
   for (const char* const flag :
        {"--config", "--check", "--clock", "--period", "--bench", "--axes", "--domain", "--security",
@@ -298,7 +299,7 @@ TEST(ServiceProcess, RefusesAnEmptyValue) {
   }
 }
 
-// A pod has its number so.
+// This is how a pod gets its number.
 TEST(ServiceProcess, TakesItsNumberFromTheEnvironment) {
   setenv("VDRIVE_BENCH", "12", 1);  // NOLINT(*-mt-unsafe)
   Process service({"--print-config"});
@@ -339,7 +340,7 @@ TEST(ServiceProcess, SaysHowAConfigurationIsNamed) {
   EXPECT_NE(two.text().find("'c1.yaml' is one argument too many"), std::string::npos) << two.text();
 }
 
-// CLI11 takes --config for the file of --check.
+// CLI11 takes --config for the file name of --check.
 TEST(ServiceProcess, ShowsTheFormOfACheckWithoutItsFile) {
   const std::string form = "vdrived: --check needs the file itself: vdrived --check ";
   for (const std::vector<std::string>& named : std::vector<std::vector<std::string>>{
@@ -368,7 +369,8 @@ TEST(ServiceProcess, SuggestsTheNearestValueOfAnOption) {
   EXPECT_NE(level.text().find("(did you mean 'debug'?)"), std::string::npos) << level.text();
 }
 
-// A replay takes its threads from the command line: it ended with 1 where they were out of range.
+// A replay takes its number of threads from the command line, and must not end with 1 if it is out
+// of range.
 TEST(ServiceProcess, ChecksOptionsEvenIfTheyAreNotUsed) {
   for (const char* const mode : {"--replay", "--check"}) {
     for (const char* const threads : {"0", "65"}) {

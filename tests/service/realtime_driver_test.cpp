@@ -18,7 +18,7 @@ using namespace std::chrono_literals;
 
 constexpr std::chrono::nanoseconds kWall = 1'700'000'000s;
 
-/// Time that passes only when somebody waits for it, and as late as the test wants.
+/// Time that passes only during a wait, which ends as late as the test wants.
 class FakeTimer final : public service::CycleTimer {
  public:
   explicit FakeTimer(std::chrono::nanoseconds begin) : now(begin) {}
@@ -35,7 +35,7 @@ class FakeTimer final : public service::CycleTimer {
 
   std::chrono::nanoseconds now;
   std::chrono::nanoseconds lateness{0};
-  std::chrono::nanoseconds wall_step{0};  ///< that the wall clock was set forward by
+  std::chrono::nanoseconds wall_step{0};  ///< by which the wall clock was set forward
 };
 
 service::Configuration realtime_configuration(double rate = 1.0) {
@@ -46,7 +46,7 @@ service::Configuration realtime_configuration(double rate = 1.0) {
 }
 
 struct RealtimeBench : EngineUnderTest {
-  /// @param begin monotonic time of the start
+  /// @param begin monotonic time at the start
   explicit RealtimeBench(const service::Configuration& with = realtime_configuration(),
                          std::chrono::nanoseconds begin = {})
       : EngineUnderTest(with), timer(begin), driver(with, engine, inbox, counters, timer) {}
@@ -64,11 +64,11 @@ struct RealtimeBench : EngineUnderTest {
 
   FakeTimer timer;
   service::RealtimeDriver driver;
-  std::vector<std::uint64_t> images;   ///< their ticks
-  std::vector<std::uint64_t> skipped;  ///< what they show to be skipped
+  std::vector<std::uint64_t> images;   ///< the tick of each
+  std::vector<std::uint64_t> skipped;  ///< the number of skipped ticks that each shows
 };
 
-/// @return a request for the rate.
+/// @return a request to set the rate.
 msg::Request rate_request(RealtimeBench& bench, double rate) {
   auto request = bench.make_request(msg::RequestKind::set_rate, kAlice);
   request.rate = rate;
@@ -98,9 +98,9 @@ TEST(RealtimeDriver, CatchesUpAfterAShortStall) {
   EXPECT_FALSE(bench.events(msg::EventKind::tick_overrun).empty());
 }
 
-// Each tick of a machine that needs 1.5 ms for it is late: 40,000 in a minute. The first is told at
-// once; the others at 1, 3, 7, 15 and 31 s, when spans of 1, 2, 4, 8 and 16 s end; that of 32 s
-// ends at 63 s.
+// On a machine that needs 1.5 ms for a tick, each tick is late: 40,000 in a minute. The first is
+// reported immediately, the others at 1, 3, 7, 15 and 31 s, at the end of spans of 1, 2, 4, 8 and
+// 16 s. The next span, of 32 s, ends at 63 s.
 TEST(RealtimeDriver, TellsOfAMinuteOfLateTicksInSixEvents) {
   RealtimeBench bench;
   bench.timer.lateness = 1'500us;
@@ -141,7 +141,7 @@ TEST(RealtimeDriver, ReportsAStepOfTheWallClockAndCorrectsIt) {
     EXPECT_NEAR(static_cast<double>(std::get<std::chrono::microseconds>(events[0].detail).count()),
                 1e6 * static_cast<double>(offset.count()), 5.0);
     EXPECT_EQ(bench.counters.wall_steps.get(), 1U);
-    // 1,000 ticks at 500 ppm: half a millisecond of it is gone.
+    // 1,000 ticks at 500 ppm have corrected half a millisecond.
     EXPECT_NEAR(std::abs(bench.counters.wall_offset.get()),
                 std::abs(static_cast<double>(offset.count())) - 0.5e-3, 1e-5);
     EXPECT_EQ(bench.engine.tick(), 1'700'000'001'010U) << "every number once";
@@ -165,7 +165,8 @@ TEST(RealtimeDriver, JumpsWithTheWallClockWhereItIsConfigured) {
   EXPECT_EQ(bench.value(1, 0x6041) & 0x6F, 0x27) << "no drive time passed";
 }
 
-// A stall of 5 s at tick 10, and a step of 10 s: each image has what was skipped until its tick.
+// A stall of 5 s at tick 10, then a step of 10 s: each image has the number of ticks skipped so
+// far.
 TEST(RealtimeDriver, ShowsInEachStatusHowManyTicksTheNumberHasSkipped) {
   auto configuration = realtime_configuration();
   configuration.clock_step = service::WallStepPolicy::jump;
@@ -235,7 +236,7 @@ TEST(RealtimeDriver, SpreadsAFloodOverTheNextTicks) {
   EXPECT_EQ(bench.inbox.size(), 600 - service::RealtimeDriver::kArrivalsPerTick);
 }
 
-// 256 replies fit and stay there, so the other 44 requests wait instead of being dropped.
+// 256 replies fit and are not taken, so the other 44 requests wait instead of being dropped.
 TEST(RealtimeDriver, LeavesRequestsWithoutRoomForAnAnswerInTheInbox) {
   RealtimeBench bench;
   for (int count = 0; count < 300; ++count) {
@@ -267,11 +268,11 @@ TEST(RealtimeDriver, PausesAndContinuesWithTheNextTick) {
   RealtimeBench bench;
   bench.cycles(10);
   EXPECT_EQ(set_rate(bench, 0.0), msg::Reason::none);
-  bench.cycles(1'000);  // of 1 ms
+  bench.cycles(1'000);  // 1 ms each
   EXPECT_EQ(bench.engine.tick(), 1'700'000'000'010U);
   EXPECT_EQ(bench.counters.rate.get(), 0.0);
   EXPECT_EQ(set_rate(bench, 1.0), msg::Reason::none);
-  bench.cycles(1 + 5);  // the first takes the rate over
+  bench.cycles(1 + 5);  // the rate takes effect in the first
   EXPECT_EQ(bench.engine.tick(), 1'700'000'000'015U);
   EXPECT_EQ(bench.counters.jumps.get(), 0U);
   EXPECT_EQ(bench.counters.overruns.get(), 0U);
@@ -323,7 +324,7 @@ TEST(RealtimeDriver, KeepsItsReferenceWhenTheRateDoesNotChange) {
 TEST(RealtimeDriver, RestartsTheWatchdogTimeWhenTheRateDrops) {
   RealtimeBench bench(realtime_configuration(100.0));
   bench.acquire(kAlice, {1});
-  bench.cycles(5'000);  // half of the 10,000 ticks that 100 ms are at this rate
+  bench.cycles(5'000);  // 100 ms are 10,000 ticks at this rate
   set_rate(bench, 1.0);
   bench.cycles(50);
   EXPECT_EQ(bench.counters.master_losses.get(), 0U);
@@ -336,7 +337,7 @@ TEST(RealtimeDriver, AgreesWithAnotherBenchWhoseClockIsSynchronised) {
   early.cycles(700);
   RealtimeBench late(realtime_configuration(), early.timer.now + 345us);
   early.cycles(100);
-  late.cycles(100);  // it begins with the next whole tick, 701
+  late.cycles(100);  // begins with the next full tick, 701
   EXPECT_EQ(early.engine.tick(), late.engine.tick());
   EXPECT_NEAR(static_cast<double>((early.timer.now - late.timer.now).count()), 0.0, 1e3);
 }
@@ -351,7 +352,7 @@ TEST(RealtimeDriver, AnswersRequestsWhilePaused) {
 
 TEST(RealtimeDriver, RepublishesTheStatusWhilePaused) {
   RealtimeBench bench(realtime_configuration(0.0));
-  bench.cycles(100);  // of 1 ms
+  bench.cycles(100);  // 1 ms each
   EXPECT_EQ(bench.images.size(), 1U + 5U) << "once at the start, then every 20 ms";
 }
 

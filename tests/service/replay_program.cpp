@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Replays a journal; built for other instruction sets than the service.
+// Replays a journal; built for instruction sets other than the service's.
 #include "journal/replay.hpp"
 
 #include <exception>

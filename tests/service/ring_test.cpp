@@ -40,7 +40,7 @@ TEST(Ring, HoldsExactlyItsCapacity) {
   EXPECT_NE(ring.free_slot(), nullptr);
 }
 
-// 10 slots; a message at a time keeps to the first one, and three at a time to the first three.
+// Of 10 slots, one message at a time uses only the first, and three at a time only the first three.
 TEST(Ring, RestartsWithItsFirstSlotWhenItIsEmpty) {
   Ring<int> ring(10);
   const int* const first = ring.free_slot();
@@ -58,7 +58,7 @@ TEST(Ring, RestartsWithItsFirstSlotWhenItIsEmpty) {
   }
 }
 
-// Filled up 20 times, each time from empty, and once with a message that stays.
+// Filled 20 times, each time from empty, and once with a message left in it.
 TEST(Ring, HasItsWholeCapacityFromAnyPosition) {
   Ring<int> ring(10);
   for (int round = 0; round < 20; ++round) {
@@ -93,7 +93,7 @@ TEST(Ring, KeepsTheCapacityOfItsSlots) {
   }
 }
 
-/// Counts how often one is made and ended.
+/// Counts constructions and destructions.
 struct Counted {
   Counted() { ++made; }
 

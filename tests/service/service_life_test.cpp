@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The life of the program vdrived: how it notifies the service manager, how its axes come to rest
-// when it has to end, and that it restarts after any failure.
+// The life of vdrived: its messages to the service manager, how its axes come to rest before it
+// ends, and how it restarts after any failure.
 #include "service/probe.hpp"
 #include "support/deadline.hpp"
 #include "support/process_tree.hpp"
@@ -44,7 +44,7 @@ constexpr std::uint16_t kOperationEnabled = 0x27;
 constexpr std::uint16_t kSwitchOnDisabledMask = 0x4F;
 constexpr std::uint16_t kSwitchOnDisabled = 0x40;
 
-/// A variable of the environment that children of this process find while this object lives.
+/// An environment variable that child processes see while this object lives.
 class EnvironmentVariable {
  public:
   EnvironmentVariable(std::string name, const std::string& value) : name_(std::move(name)) {
@@ -60,15 +60,15 @@ class EnvironmentVariable {
   std::string name_;
 };
 
-/// The receiving socket of a service manager. Children of this process find it in NOTIFY_SOCKET,
-/// and none that starts after its end: the next socket may have the same name.
+/// The receiving socket of a service manager. Child processes find it in NOTIFY_SOCKET; after it is
+/// destroyed none may, because the next socket may have the same name.
 class NotifySocket {
  public:
   NotifySocket() : socket_(::socket(AF_UNIX, SOCK_DGRAM | SOCK_CLOEXEC, 0)) {
     const std::string name = name_of_process();
     sockaddr_un address{};
     address.sun_family = AF_UNIX;
-    std::copy(name.begin(), name.end(), &address.sun_path[1]);  // abstract: it leaves no file
+    std::copy(name.begin(), name.end(), &address.sun_path[1]);  // abstract: leaves no file
     const auto size = offsetof(sockaddr_un, sun_path) + 1 + name.size();
     if (bind(socket_, reinterpret_cast<const sockaddr*>(&address),  // NOLINT(*-reinterpret-cast)
              static_cast<socklen_t>(size)) != 0) {
@@ -81,7 +81,7 @@ class NotifySocket {
   NotifySocket(const NotifySocket&) = delete;
   NotifySocket& operator=(const NotifySocket&) = delete;
 
-  /// @return the next message, or nothing when none comes in that time
+  /// @return the next message, or nothing if none arrives in that time
   std::optional<std::string> next(std::chrono::milliseconds patience = Probe::kPatience) {
     pollfd readable{.fd = socket_, .events = POLLIN, .revents = 0};
     if (poll(&readable, 1, static_cast<int>(patience.count())) != 1) return std::nullopt;
@@ -90,7 +90,8 @@ class NotifySocket {
     return std::string(text.data(), static_cast<std::size_t>(std::max<ssize_t>(size, 0)));
   }
 
-  /// @return whether a message with that line arrives before a time without a message.
+  /// Reads messages until one has that line. @return false if none arrives within
+  /// `Probe::kPatience`.
   bool wait_for(std::string_view line) {
     while (const auto message = next()) {
       if (("\n" + *message + "\n").find("\n" + std::string(line) + "\n") != std::string::npos) {
@@ -114,7 +115,7 @@ std::unique_ptr<Process> serve(std::vector<std::string> arguments) {
   return std::make_unique<Process>(VDRIVE_SERVICE, std::move(arguments));
 }
 
-/// A bench whose masters may be silent, in a file that goes with this object.
+/// A configuration file, removed in the destructor, whose bench has no watchdog.
 class BenchFile {
  public:
   BenchFile()
@@ -134,13 +135,13 @@ class BenchFile {
   std::filesystem::path path_;
 };
 
-/// Axes that move in profile position.
+/// A motion in profile position mode.
 struct Motion {
   std::uint32_t velocity = 40'000;      ///< [UU/s]
-  std::uint32_t deceleration = 80'000;  ///< [UU/s2], 6084h and 6085h: half a second
+  std::uint32_t deceleration = 80'000;  ///< [UU/s2], 6084h and 6085h: half a second to stop
 };
 
-/// @return a frame for the axes `first` to `last`, with `controlword` and nothing else.
+/// @return a frame for the axes `first` to `last`, with `controlword` only.
 msg::CommandFrame words_for(Probe& probe, std::uint16_t first, std::uint16_t last,
                             std::uint16_t controlword) {
   msg::CommandFrame frame = probe.make_frame();
@@ -170,7 +171,7 @@ void add_motion(const Motion& motion, msg::CommandFrame& frame) {
   }
 }
 
-/// Enables the axes 1 to `count` and starts them.
+/// Enables axes 1 to `count` and starts their motion.
 void start_all(Probe& probe, std::uint16_t count, const Motion& motion) {
   std::vector<std::uint16_t> axes;
   for (std::uint16_t axis = 1; axis <= count; ++axis) axes.push_back(axis);
@@ -195,10 +196,10 @@ void start_all(Probe& probe, std::uint16_t count, const Motion& motion) {
   }
 }
 
-/// What the status frames of a bench have shown, each axis by its number less 1.
+/// The latest status of each axis (at its number less 1), and every status of the first.
 class Watched {
  public:
-  /// Inside of a condition of `Probe::wait_until`. @return whether this frame is new.
+  /// For use inside a condition of `Probe::wait_until`. @return whether the frame is new.
   bool observe(const Probe& probe) {
     const auto& frame = probe.seen_status();
     if (!frame || (frame->tick == tick_ && frame->part == part_)) return false;
@@ -232,8 +233,9 @@ bool is_switch_on_disabled(const msg::AxisStatus& status) {
   return (status.ds402_statusword & kSwitchOnDisabledMask) == kSwitchOnDisabled;
 }
 
-/// The last status and the end of the bench are samples of two topics: either may come first.
-/// @return whether all axes are seen switched off.
+/// The last status and the offline announcement are samples of two topics and may arrive in either
+/// order.
+/// @return whether all axes were seen switched off.
 bool sees_switched_off(Probe& probe, Watched& watched) {
   return probe.wait_until([&] {
     watched.observe(probe);
@@ -241,7 +243,7 @@ bool sees_switched_off(Probe& probe, Watched& watched) {
   });
 }
 
-/// Sends SIGTERM, follows the status until the bench is offline, and waits for the end.
+/// Sends SIGTERM, follows the status until the bench is offline, and waits for the process to end.
 void terminate(Process& service, Probe& probe, Watched& watched) {
   const auto begin = Clock::now();
   service.send(SIGTERM);
@@ -277,8 +279,8 @@ TEST(ServiceManager, IsNotifiedOfTheLossAndReturnOfTheNetworkProcess) {
   ASSERT_TRUE(socket.wait_for(good));
   const pid_t spawner = child_of(service->id());
   ASSERT_NE(spawner, 0);
-  // The first one that ends is replaced at once, within the 50 ms after which the program looks
-  // again; each further one after twice the time: 100 ms, 200 ms...
+  // The first wire to end is replaced immediately, before the program checks again after 50 ms.
+  // Each further one is replaced after twice the time: 100 ms, 200 ms...
   std::optional<std::string> message;
   const auto deadline = Clock::now() + 10s;
   while (!message && Clock::now() < deadline) {
@@ -291,7 +293,7 @@ TEST(ServiceManager, IsNotifiedOfTheLossAndReturnOfTheNetworkProcess) {
   EXPECT_EQ(service->wait().code, 0);
 }
 
-// Its exit code is a failure: the service manager starts it again.
+// Its exit code is a failure, so the service manager starts it again.
 TEST(ServiceManager, RestartsAServiceThatCannotStartANetworkProcess) {
   NotifySocket socket;
   const auto service = serve({"--wire", "process"});
@@ -326,7 +328,7 @@ TEST_P(SupervisedService, SendsWatchdogMessagesOnlyWhileItRuns) {
   ASSERT_TRUE(socket.wait_for("READY=1"));
   for (int beat = 0; beat < 3; ++beat) EXPECT_EQ(socket.next(), "WATCHDOG=1");
   service->send(SIGSTOP);
-  while (socket.next(50ms)) {  // what was on its way
+  while (socket.next(50ms)) {  // messages still on their way
   }
   EXPECT_EQ(socket.next(1s), std::nullopt) << "five intervals of 200 ms";
   service->send(SIGCONT);
@@ -359,7 +361,7 @@ TEST(TerminatedService, BrakesItsAxesOnTheirRampAndDisablesThem) {
   const std::size_t begin = watched.first_axis().size();
   terminate(*service, probe, watched);
   const auto& seen = watched.first_axis();
-  // 40 000 UU/s at 80 000 UU/s2: 500 ticks, none faster than the one before it.
+  // 40 000 UU/s at 80 000 UU/s2 take 500 ticks, none faster than the one before.
   std::size_t braking = 0;
   for (std::size_t sample = begin; sample < seen.size(); ++sample) {
     const auto speed = seen[sample].velocity_demand_value;

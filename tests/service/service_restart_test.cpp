@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A thousand axes that are killed again and again: 20 times, with more effort (support/effort.hpp)
-// 200 times.
+// A thousand axes killed again and again: 8 rounds, and more with more effort (support/effort.hpp).
 #include "service/probe.hpp"
 #include "support/effort.hpp"
 #include "support/process_tree.hpp"
@@ -41,7 +40,7 @@ std::ptrdiff_t entries_of(const std::filesystem::path& directory) {
   return std::distance(std::filesystem::directory_iterator(directory), {});
 }
 
-/// What a run leaves or takes.
+/// The resources that a service uses.
 struct Resources {
   std::ptrdiff_t files = 0;
   std::ptrdiff_t threads = 0;
@@ -59,7 +58,7 @@ class KilledService : public testing::Test {
 
   ~KilledService() override { std::filesystem::remove_all(state_); }
 
-  /// Starts the service and waits until every axis was seen. @return how long that took.
+  /// Starts the service and waits until every axis was seen. @return the time that took.
   std::chrono::milliseconds start() {
     probe_ = std::make_unique<Probe>(test_domain());
     std::vector<bool> seen(kAxes);
@@ -82,7 +81,7 @@ class KilledService : public testing::Test {
     return std::chrono::duration_cast<std::chrono::milliseconds>(Clock::now() - begin);
   }
 
-  /// With an axis enabled, to be found disabled the next time.
+  /// Kills the service with an axis enabled, which must be found disabled the next time.
   void kill() {
     ASSERT_TRUE(probe_->find_bench());
     const auto reply = probe_->write(1, 0x6040, 0x0F);
@@ -93,7 +92,7 @@ class KilledService : public testing::Test {
     EXPECT_EQ(service_->wait().code, -SIGKILL);
   }
 
-  /// @return the files in shared memory of all killed services that are still there.
+  /// @return the number of shared-memory files left over by killed services.
   [[nodiscard]] std::ptrdiff_t left_shared_memory() const {
     return std::ranges::count_if(shared_memory_, [](const std::string& file) {
       return std::filesystem::exists(file);
@@ -114,8 +113,7 @@ class KilledService : public testing::Test {
   std::unique_ptr<Probe> probe_;
 };
 
-// One round may fall into a moment in which the machine does something else: the promise is that of
-// the median.
+// A single round may coincide with other load on the machine, so the promise is for the median.
 TEST_F(KilledService, RestartsWithinASecondWithDisabledAxesAndLeaksNothing) {
   const int rounds = number_of<int>({.usual = 8, .full = 20, .nightly = 200});
   std::optional<Resources> first;

@@ -20,7 +20,7 @@ namespace {
 
 using namespace std::chrono_literals;
 
-/// A running service and a client that found it.
+/// A running service and a client that has found it.
 struct Running {
   explicit Running(service::Configuration with) : service(std::move(with)), probe(test_domain()) {
     service.start();
@@ -155,7 +155,7 @@ TEST(Service, GoesOfflineWhenItStops) {
   EXPECT_TRUE(bench.probe.wait_until([&] {
     return bench.probe.seen_offline();
   }));
-  bench.service.stop();  // once more does no harm
+  bench.service.stop();  // a second stop is harmless
 }
 
 TEST(Service, RefusesAConfigurationOutsideItsLimits) {
@@ -175,7 +175,7 @@ TEST(Service, EndsWhenAnOlderServiceHasItsBenchNumber) {
 
 // ---- invalid messages ------------------------------------------------------------------------
 
-/// Integers at the ends of ranges.
+/// Integers at the ends of their range.
 template <typename Integer>
 Integer edge(std::mt19937_64& random) {
   switch (random() % 5) {
@@ -228,7 +228,7 @@ msg::Request garbage_request(std::mt19937_64& random, Probe& probe) {
   if (random() % 2 == 0) request.kind = static_cast<msg::RequestKind>(random() % 10);
   request.incarnation = random() % 2 == 0 ? 0 : edge<std::uint64_t>(random);
   request.session = edge<std::uint64_t>(random);
-  const auto ticks = edge<std::uint64_t>(random);  // valid steps short, to go through many
+  const auto ticks = edge<std::uint64_t>(random);  // keeps valid steps short, to get through many
   request.ticks = ticks <= 1'000'000 ? ticks % 10 : ticks;
   request.last_sequence = 0;
   request.axes.resize(random() % 4 == 0 ? random() % 300 : random() % 4);

@@ -23,7 +23,7 @@ msg::SessionName said_by(std::uint64_t session, const std::string& program,
   return name;
 }
 
-/// @return the sessions that have to be published, in order.
+/// @return the sessions whose names have to be published, in order.
 std::vector<std::uint64_t> published_names(SessionNames& names) {
   std::vector<std::uint64_t> sessions;
   for (; names.next() != nullptr; names.pop()) sessions.push_back(names.next()->session);

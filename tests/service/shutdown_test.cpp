@@ -35,7 +35,7 @@ struct ClosingBench : EngineUnderTest {
   explicit ClosingBench(const service::Configuration& with = with_clock(ClockMode::realtime))
       : EngineUnderTest(with), shutdown(engine, timer) {}
 
-  /// Moves with 1000 UU/s and ramps of `deceleration` in 6084h and 6085h.
+  /// Moves at 1000 UU/s with `deceleration` in 6084h and 6085h.
   void move(std::int64_t deceleration) {
     write(kAlice, 1, 0x6081, 1'000);
     write(kAlice, 1, 0x6084, deceleration);

@@ -39,7 +39,7 @@ TEST_F(StandstillTest, NamesTheThreadThatStandsLongest) {
   EXPECT_EQ(sut_.look(begin_ + 4s).name, "ticks");
 }
 
-// Two who ask at once, such as a kubelet and a person.
+// Two callers at the same time, such as a kubelet and a person.
 TEST_F(StandstillTest, FindsProgressHoweverOftenOneLooks) {
   for (auto time = 1ms; time <= 10s; time += 1ms) {
     if (time % 10ms == 0ms) ticks_.add();

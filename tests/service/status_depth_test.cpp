@@ -17,22 +17,23 @@ Configuration bench_of(std::size_t axes, std::uint32_t status_every = 1) {
   return configuration;
 }
 
-// 250 ticks of 1 ms and the one that is passed on; 4 frames of 256 axes, 28,712 bytes and a head of
-// 24 each, make 115 kB a tick and 28.8 MB in all.
+// 250 ticks of 1 ms and the one being passed on. A tick has 4 frames of 256 axes, 28,712 bytes with
+// a head of 24 bytes each: 115 kB per tick, 28.8 MB in total.
 TEST(StatusDepth, HoldsAQuarterOfASecond) {
   const StatusDepth depth = status_depth(bench_of(1'024));
   EXPECT_EQ(depth.images, 251U);
   EXPECT_EQ(depth.room, std::size_t{32} << 20U);
 }
 
-// Every 10th tick: 25 images and one; 64 frames of 28.7 kB each, 47.8 MB.
+// Every 10th tick is published: 25 images and one more, each of 64 frames of 28.7 kB, 47.8 MB in
+// total.
 TEST(StatusDepth, CountsPublishedTicksOnly) {
   const StatusDepth depth = status_depth(bench_of(16'384, 10));
   EXPECT_EQ(depth.images, 26U);
   EXPECT_EQ(depth.room, std::size_t{64} << 20U);
 }
 
-// An image of 16,384 axes is larger than 1 MB, so 64 MiB hold less than 64 of the 251.
+// An image of 16,384 axes is larger than 1 MB, so 64 MiB hold fewer than 64 of the 251.
 TEST(StatusDepth, IsBounded) {
   const StatusDepth depth = status_depth(bench_of(16'384));
   EXPECT_GE(depth.images, 4U);
@@ -46,7 +47,7 @@ TEST(StatusDepth, IsSmallForASmallBench) {
   EXPECT_EQ(depth.room, std::size_t{1} << 20U);
 }
 
-// In lock-step the worker that fills an image publishes it.
+// In lock-step the worker that fills an image also publishes it.
 TEST(StatusDepth, IsSmallInLockStep) {
   Configuration configuration = bench_of(64);
   configuration.clock = ClockMode::lockstep;

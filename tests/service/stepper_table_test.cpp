@@ -13,7 +13,7 @@ constexpr std::uint64_t kBob = 0xB0B;
 
 const StepperTable::Time kStart{100s};
 
-/// Both have joined at tick 7.
+/// Alice and Bob, who both joined at tick 7.
 struct TwoSteppers {
   TwoSteppers() {
     EXPECT_TRUE(table.join(kAlice, {}, 7, kStart));
@@ -60,7 +60,8 @@ TEST(StepperTable, WaitsForAsManyAsOneOfItsSteppersAwaits) {
   EXPECT_TRUE(table.is_complete());
 }
 
-// Alice has granted ticks, and Bob waits for Carol in silence: he holds up nobody.
+// Alice has granted ticks, and Bob is silent while a third stepper is still awaited: he holds up
+// nobody.
 TEST(StepperTable, TakesNoneForSilentWhileSteppersAreAwaited) {
   StepperTable table(3);
   EXPECT_TRUE(table.join(kAlice, {}, 0, kStart));

@@ -8,7 +8,7 @@
 namespace vdrive::service {
 namespace {
 
-/// Every member of the IDL with a value of its own.
+/// Gives every member of the IDL type a different value.
 msg::CommandReply command_reply(std::uint32_t first, std::size_t refusals) {
   msg::CommandReply reply;
   reply.bench = first;

@@ -13,7 +13,7 @@ namespace {
 using namespace std::chrono_literals;
 
 constexpr auto kPeriod = 1ms;
-constexpr std::chrono::nanoseconds kWall = 1'700'000'000s;  // a whole number of ticks
+constexpr std::chrono::nanoseconds kWall = 1'700'000'000s;  // a multiple of the tick
 constexpr std::chrono::nanoseconds kMonotonic = 5'000s;
 constexpr std::uint64_t kTickAtWall = 1'700'000'000'000;
 
@@ -36,7 +36,8 @@ TEST(TickClock, GivesTheSameNumberAtTheSameTimeToTwoBenches) {
 TEST(TickClock, SteersTowardsTheWallClockByAtMost500Ppm) {
   TickClock clock(kPeriod, 1.0, {kMonotonic, kWall});
   auto before = clock.deadline();
-  // The wall clock is set forward by half a second: the deadlines come closer, not at once.
+  // The wall clock is set forward by half a second. The deadlines approach it slowly instead of
+  // jumping.
   for (int tick = 0; tick < 2'000; ++tick) {
     clock.advance({before, kWall + (before - kMonotonic) + 500ms});
     const auto distance = clock.deadline() - before;
@@ -51,7 +52,7 @@ TEST(TickClock, SteersTowardsTheWallClockByAtMost500Ppm) {
 
 TEST(TickClock, ConvergesToTheWallClock) {
   TickClock clock(kPeriod, 1.0, {kMonotonic, kWall});
-  constexpr auto kOffset = 300us;  // the wall clock is that much ahead from now on
+  constexpr auto kOffset = 300us;  // the wall clock is ahead by this from now on
   for (int tick = 0; tick < 20'000; ++tick) {
     clock.advance({clock.deadline(), kWall + (clock.deadline() - kMonotonic) + kOffset});
   }
@@ -61,7 +62,8 @@ TEST(TickClock, ConvergesToTheWallClock) {
   EXPECT_NEAR(static_cast<double>((wall - begin).count()), 0.0, 1e3);
 }
 
-/// Runs `ticks` ticks beside a wall clock that is `ahead` by then. @return the steps that it saw.
+/// Runs `ticks` ticks; in each, the wall clock is ahead by `ahead(tick)`. @return the steps
+/// detected.
 std::vector<WallStep> run(TickClock& clock, int ticks,
                           const std::function<std::chrono::nanoseconds(int)>& ahead) {
   std::vector<WallStep> steps;
@@ -81,7 +83,7 @@ TEST(TickClock, DetectsAStepAboveTenMillisecondsOnce) {
       return tick < 10 ? 0us : offset;
     });
     ASSERT_EQ(steps.size(), 1U) << offset.count();
-    // The two readings before steer by 0.5 us each.
+    // The two readings before the detection steer by 0.5 us each.
     EXPECT_NEAR(static_cast<double>(steps[0].offset.count()), 1e3 * double(offset.count()), 2e3);
     EXPECT_EQ(steps[0].jumped, 0U);
     EXPECT_EQ(clock.next_tick(), kTickAtWall + 20'001) << "no number is left out or comes twice";
@@ -94,7 +96,7 @@ TEST(TickClock, IgnoresSmallStepsDriftAndASingleWrongReading) {
                 return 9'900us;
               }).empty());
   TickClock drift(kPeriod, 1.0, {kMonotonic, kWall});
-  // 900 ppm for 100 s: 500 of them are steered away, the other 400 are 40 ms in the end.
+  // 900 ppm for 100 s: 500 ppm are steered away, the other 400 ppm add up to 40 ms.
   EXPECT_TRUE(run(drift, 100'000, [](int tick) {
                 return 900ns * tick;
               }).empty());
@@ -111,11 +113,11 @@ TEST(TickClock, DetectsASecondStepDuringCorrectionOfTheFirst) {
     return tick < 1'000 ? 10s : 0s;
   });
   ASSERT_EQ(steps.size(), 2U);
-  // 1,000 ticks at 500 ppm: half a millisecond too far, and back it is.
+  // After 1,000 ticks at 500 ppm the clock is half a millisecond too far ahead.
   EXPECT_NEAR(static_cast<double>(steps[1].offset.count()), -0.5e6, 1e4);
 }
 
-// 10.0004 s are 10,000 ticks; the rest is steered away.
+// Of 10.0004 s, 10,000 ticks are skipped and the rest is steered away.
 TEST(TickClock, JumpsToTheWallClockWhereConfigured) {
   TickClock clock(kPeriod, 1.0, {kMonotonic, kWall}, WallStepPolicy::jump);
   const auto steps = run(clock, 1'000, [](int tick) {
@@ -164,7 +166,7 @@ TEST(TickClock, JumpsOverAHundredAndOneTicks) {
   EXPECT_EQ(clock.skip_backlog(clock.deadline() + 101ms), 101U);
 }
 
-// Half a tick is left when the rate changes: at rate 2 that is a quarter of a millisecond.
+// Half a tick is left when the rate changes; at rate 2 that takes a quarter of a millisecond.
 TEST(TickClock, KeepsTheDriveTimeUntilTheNextTickWhenTheRateChanges) {
   TickClock clock(kPeriod, 1.0, {kMonotonic, kWall});
   const Instant now{kMonotonic + 500us, kWall + 500us};
@@ -180,7 +182,7 @@ TEST(TickClock, ContinuesAfterAPauseWithTheNextNumberAndANewReference) {
   TickClock clock(kPeriod, 1.0, resumed, kTickAtWall + 8);
   EXPECT_EQ(clock.next_tick(), kTickAtWall + 8) << "a minute of pause is no tick";
   EXPECT_EQ(clock.deadline(), resumed.monotonic + 1ms);
-  for (int tick = 0; tick < 1'000; ++tick) {  // nothing to steer: both clocks agree
+  for (int tick = 0; tick < 1'000; ++tick) {  // both clocks agree: nothing to steer
     const auto before = clock.deadline();
     clock.advance({before, kWall + (before - kMonotonic)});
     ASSERT_EQ(clock.deadline() - before, 1ms);
@@ -203,7 +205,7 @@ TEST(TickClock, IsCorrectedAgainAtRateOneFromItsLastOffset) {
 TEST(TickClock, ScalesTheDistanceByTheRate) {
   TickClock clock(kPeriod, 4.0, {kMonotonic, kWall});
   const auto first = clock.deadline();
-  clock.advance({first, kWall + 7s});  // no steering at another rate than 1
+  clock.advance({first, kWall + 7s});  // the clock is steered only at rate 1
   EXPECT_EQ(clock.deadline() - first, 250us);
   EXPECT_EQ(clock.next_tick(), kTickAtWall + 2);
 }

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The wire of a bench ends, hangs or receives nothing; the bench continues. Real processes.
+// The wire of a bench ends, hangs or receives nothing, and the bench continues. With real
+// processes.
 #include "service/probe.hpp"
 #include "support/deadline.hpp"
 #include "support/dropped_by_sockets.hpp"
@@ -41,7 +42,7 @@ namespace {
 using namespace std::chrono_literals;
 using Clock = std::chrono::steady_clock;
 
-/// vdrived with its wire in a process of its own.
+/// vdrived with its wire in a separate process.
 class Bench {
  public:
   explicit Bench(std::vector<std::string> more = {})
@@ -53,7 +54,7 @@ class Bench {
 
   [[nodiscard]] pid_t wire() const { return wire_of(engine()); }
 
-  /// Of a bench with "--metrics 0" and the log level info, once. @return the port of its metrics.
+  /// For a bench with "--metrics 0" and log level info; call once. @return its metrics port.
   int metrics_port() {
     const std::string mark = "metrics=http://127.0.0.1:";
     std::string line = process_.read_error_line();
@@ -61,7 +62,7 @@ class Bench {
     return line.empty() ? 0 : std::stoi(line.substr(line.find(mark) + mark.size()));
   }
 
-  /// SIGTERM. @return how it ended, and after what time.
+  /// Sends SIGTERM. @return how the process ended, and after what time.
   std::pair<Finished, std::chrono::milliseconds> end() {
     const auto begin = Clock::now();
     process_.send(SIGTERM);
@@ -84,7 +85,8 @@ class Bench {
   Process process_;
 };
 
-// A wire that is looked for too early is process 0: every process of the group of this run.
+// A wire looked up too early has process id 0, which addresses the complete process group of this
+// run.
 TEST(Signals, AreSentToNoGroupOfProcesses) {
   for (const pid_t group : {1, 0, -1, -getpgrp()}) {
     EXPECT_THROW(send_signal(group, 0), std::invalid_argument) << group;
@@ -97,7 +99,7 @@ bool is_restart(const msg::Event& event) {
   return event.kind == msg::EventKind::wire && event.code == 2;
 }
 
-/// @return the time from now to the first status of a tick that is not yet known.
+/// @return the time until a status arrives that is more than 50 ticks newer than the last one seen.
 std::chrono::milliseconds time_to_next_status(Probe& probe) {
   const std::uint64_t tick = probe.status().value().tick;
   const auto begin = Clock::now();
@@ -129,7 +131,7 @@ TEST(Engine, SurvivesTheEndOfItsWireAndStartsAnother) {
     ASSERT_NE(bench.wire(), wire);
   }
   EXPECT_EQ(probe.seen_state()->incarnation, incarnation);
-  // A machine that stands still makes the number of the tick jump, too.
+  // If the machine stalls, the tick number jumps, too.
   EXPECT_LT(probe.seen_state()->jumps, 3U) << "each end of a wire stopped the ticks";
   ASSERT_TRUE(probe.find_bench());
   EXPECT_EQ(probe.incarnation, incarnation);
@@ -157,8 +159,8 @@ TEST(Engine, RepublishesEarlierEventsThroughANewWire) {
   })) << "the parameters of both axes";
 }
 
-// A stopped process stands for every thread that spins or waits for ever: its pumps make no round
-// for 2 s. Two further seconds are for the machine.
+// A stopped process represents any thread that spins or waits for ever: its pumps make no round for
+// 2 s. Two more seconds are for a slow machine.
 TEST(Engine, EndsAWireThatHangs) {
   Bench bench({"--axes", "2"});
   Probe probe(test_domain());
@@ -178,8 +180,8 @@ bool is_loss(const msg::Event& event) {
   return event.kind == msg::EventKind::wire && event.code == 1;
 }
 
-// Its process stays while something holds it in the kernel on its way out: a core that is written,
-// memory that is given back; here a debugger. It runs no instruction of the wire any more.
+// The process of a killed wire exists until the kernel releases it: while a core dump is written,
+// memory is freed, or, as here, a debugger holds it. It no longer runs any instruction of the wire.
 TEST(Engine, ReplacesAKilledWireAtOnceWhileItsProcessIsStillThere) {
   Bench bench({"--axes", "2"});
   Probe probe(test_domain());
@@ -212,11 +214,11 @@ std::size_t count_of(const std::string& part, const std::string& text) {
   return count;
 }
 
-/// A bench whose wire hangs, and whose spawner is stopped, so that nobody can end the wire.
+/// A bench whose wire hangs and whose spawner is stopped, so nothing can end the wire.
 class StoppedProcesses : public testing::Test {
  protected:
   StoppedProcesses() {
-    EXPECT_TRUE(probe_.find_bench());  // its wire runs from here on, not before
+    EXPECT_TRUE(probe_.find_bench());  // its wire runs from here on
     spawner_ = bench_.spawner();
     wire_ = bench_.wire();
     for (const pid_t process : {bench_.engine(), spawner_, wire_}) send_signal(process, SIGSTOP);
@@ -273,7 +275,7 @@ TEST_F(StoppedProcesses, AreReportedOnceAndReplacedWhenTheSpawnerGoesOn) {
   EXPECT_EQ(count_of("the wire (network process) failed", finished.errors), 1U) << finished.errors;
 }
 
-/// What a subscriber to `status` receives of a bench.
+/// A subscriber to `status` that counts the frames it receives.
 class Subscriber {
  public:
   explicit Subscriber(std::uint16_t parts)
@@ -295,7 +297,7 @@ class Subscriber {
     return seen_of();
   }
 
-  /// @return what was seen once a frame of a later tick than `tick` has come; nothing after 10 s.
+  /// Waits for a frame of a tick later than `tick`. @return the counts; nothing after 10 s.
   [[nodiscard]] std::optional<Seen> seen_after(std::uint64_t tick) {
     std::unique_lock lock(mutex_);
     if (!changed_.wait_for(lock, 10s, [&] {
@@ -344,7 +346,6 @@ msg::BenchState state_after(Probe& probe, std::uint64_t tick) {
   return state;
 }
 
-/// Stops a wire for 150 ms.
 void let_it_stand(pid_t wire) {
   std::mutex mutex;
   std::unique_lock lock(mutex);
@@ -356,9 +357,9 @@ void let_it_stand(pid_t wire) {
   send_signal(wire, SIGCONT);
 }
 
-// 150 ticks of 512 axes are 300 frames of 28.7 kB, 8.6 MB: the engine keeps 250 ms of them. A
-// machine that is busy otherwise may let a thread stand for longer than that, so one of twenty
-// attempts has to pass. The buffers of sockets may be small here; what they drop is theirs.
+// 150 ticks of 512 axes are 300 frames of 28.7 kB, 8.6 MB; the engine keeps 250 ms of them. On a
+// busy machine a thread may be held up for longer, so one of twenty attempts must pass. The socket
+// buffers may be small here; frames that they drop are not counted.
 TEST(Engine, LosesNoStatusWhileItsWireIsStoppedFor150Milliseconds) {
   constexpr std::uint16_t kParts = 2;
   constexpr int kAttempts = 20;
@@ -375,7 +376,7 @@ TEST(Engine, LosesNoStatusWhileItsWireIsStoppedFor150Milliseconds) {
     const auto dropped = dropped_by_sockets();
     const msg::BenchState before = state_after(probe, begin.tick);
     let_it_stand(wire);
-    // All waiting frames have arrived, and 50 ticks more.
+    // By then all waiting frames have arrived, and 50 more ticks.
     const auto end = subscriber.seen_after(before.tick + 200);
     ASSERT_TRUE(end.has_value());
     const msg::BenchState after = state_after(probe, end->tick);
@@ -391,7 +392,7 @@ TEST(Engine, LosesNoStatusWhileItsWireIsStoppedFor150Milliseconds) {
   FAIL() << why;
 }
 
-/// @return the text of the next event with the reason why a wire ended.
+/// @return the text of the next event that reports the loss of a wire, with the reason.
 std::string reason_of_the_loss(Probe& probe) {
   const auto lost = probe.event([](const msg::Event& event) {
     return event.kind == msg::EventKind::wire && event.code == 1;
@@ -411,7 +412,7 @@ TEST(Engine, SurvivesADatagramThatEndsItsWire) {
   EXPECT_NE(reason_of_the_loss(probe).find("signal 6"), std::string::npos);
 }
 
-// The thread of discovery spins and takes memory: whichever bound comes first ends the wire.
+// The discovery thread spins and consumes memory; whichever limit is reached first ends the wire.
 TEST(Engine, EndsAWireWhoseDiscoveryHasFailed) {
   Bench bench({"--without-guard"});
   Probe probe(test_domain());
@@ -419,7 +420,7 @@ TEST(Engine, EndsAWireWhoseDiscoveryHasFailed) {
   const auto begin = Clock::now();
   Attacker().send_to_discovery(gap_without_end(probe.source().participant));
   const std::string reason = reason_of_the_loss(probe);
-  // 4 s of probes that do not come through, or 512 MiB; two seconds more are for the machine.
+  // 4 s without a probe arriving, or 512 MiB; two more seconds are for a slow machine.
   EXPECT_LT(Clock::now() - begin, 7s);
   EXPECT_TRUE(reason.find("no test sample arrived") != std::string::npos ||
               reason.find("memory") != std::string::npos)
@@ -427,7 +428,8 @@ TEST(Engine, EndsAWireWhoseDiscoveryHasFailed) {
   EXPECT_TRUE(Probe(test_domain()).find_bench()) << "and the next wire discovers";
 }
 
-// Each number of a gap takes memory at once, much more than a probe takes to be missed.
+// Each number of a gap allocates memory immediately, so the limit is reached long before a probe is
+// missed.
 TEST(Engine, EndsAWireThatLeaks) {
   const TemporaryDirectory directory;
   const auto configuration = directory.path() / "bench.yaml";
@@ -442,7 +444,8 @@ TEST(Engine, EndsAWireThatLeaks) {
   EXPECT_TRUE(Probe(test_domain()).find_bench()) << "and the next wire discovers";
 }
 
-// 1,024 answers waited for all clients together, before each client had its own bound.
+// Before each client had its own limit, 1,024 waiting answers were the limit for all clients
+// together.
 TEST(Engine, AnswersOtherClientsWhileEightProgramsHang) {
   constexpr std::uint64_t kRequests = 3'000;
   Bench bench({"--axes", "2"});

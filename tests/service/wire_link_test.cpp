@@ -27,7 +27,7 @@ class LaneOfALink : public testing::TestWithParam<Lane> {
                                             : sut_.control().reports_bell};
 };
 
-// The engine flushes a lane whether it has written or not.
+// The engine flushes a lane whether or not it has written to it.
 TEST_P(LaneOfALink, WakesItsWireForWhatWaitsAndForNothingElse) {
   sut_.flush(GetParam());
   EXPECT_FALSE(is_rung()) << "it is empty";

@@ -19,7 +19,6 @@ using Cause = WireLoss::Cause;
 constexpr std::uint64_t kLimit = 100ULL << 20U;
 constexpr WireJudge::Time kSpawned{1'000s};
 
-/// A wire that does all that it should.
 struct HealthyWire {
   WireJudge::Health health{.is_running = true};
 
@@ -120,7 +119,7 @@ TEST(WireJudge, WantsALookAtAProcessThatDoesNotStart) {
   EXPECT_TRUE(judge.needs_examination(kSpawned + WireJudge::kLateRound + 1ms));
 }
 
-// At once, then after 100, 200, 400 ms and so on, 5 s at most; a long run makes it forget.
+// Immediately, then after 100, 200, 400 ms and so on up to 5 s; after a long run it starts over.
 TEST(WireJudge, WaitsLongerAfterEachFurtherEnd) {
   WireJudge judge(kLimit);
   std::vector<std::chrono::milliseconds> delays;
@@ -137,8 +136,8 @@ TEST(WireJudge, WaitsLongerAfterEachFurtherEnd) {
   EXPECT_EQ(judge.note_end(kSpawned + WireJudge::kLongRun, false), kSpawned + WireJudge::kLongRun);
 }
 
-// A debugger, a terminal's stop, a machine that is suspended: the supervisor checked nothing
-// meanwhile.
+// A debugger, a stop from the terminal or a suspended machine: the supervisor checked nothing
+// during that time.
 TEST(WireJudge, AllowsAPauseOfTheWholeService) {
   WireJudge judge(kLimit);
   HealthyWire wire;

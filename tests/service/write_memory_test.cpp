@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// REQUEST_READ_WRITES: what was written to a bench, and by whom.
+// REQUEST_READ_WRITES: the writes to a bench and their authors.
 #include "service/engine_under_test.hpp"
 #include "vdrive/wire/written.hpp"
 
@@ -16,7 +16,8 @@ using testing::ElementsAre;
 using testing::IsEmpty;
 using wire::WrittenMark;
 
-/// An entry as a short text: "tick 3", "by a11ce", "1 6040:00 = 15", with a reason "... ! 8000021".
+/// An entry as short text: "tick 3", "request by a11ce", "1 6040h = 15", refused "1 6040h = 15 !
+/// 8000021".
 std::string text_of(const msg::ObjectResult& entry) {
   const auto hex = [](std::uint64_t number) {
     std::array<char, 20> text{};
@@ -40,7 +41,7 @@ std::string text_of(const msg::ObjectResult& entry) {
         return "restored";
       case WrittenMark::power_cycle:
         return "power cycle of " + std::to_string(entry.axis);
-      default:  // of windows
+      default:  // marks of windows
         return "unknown";
     }
   }
@@ -56,7 +57,7 @@ class WritesOfABench : public testing::Test {
     auto configuration = bench_configuration(2);
     configuration.watchdog.reset();
     bench.emplace(configuration);
-    static_cast<void>(read(0));  // a bench keeps writes for whoever has asked once
+    static_cast<void>(read(0));  // a bench keeps writes only after somebody has asked for them once
   }
 
   msg::Reply read(std::uint64_t place) {
@@ -77,7 +78,7 @@ class WritesOfABench : public testing::Test {
 TEST_F(WritesOfABench, AreToldWithTheirTickSessionAndRefusal) {
   EXPECT_THAT(entries(0), IsEmpty());
   bench->write(kAlice, 1, 0x607A, 100);
-  bench->write(kAlice, 1, 0x6040, 6);  // of a free axis: it is Alice's now
+  bench->write(kAlice, 1, 0x6040, 6);  // the axis was free and is now Alice's
   bench->steps(2);
   bench->write(kBob, 1, 0x607A, 5);
   bench->write(kAlice, 2, 0x6041, 1);  // read-only
@@ -138,7 +139,8 @@ TEST_F(WritesOfABench, NameWhatTheBenchDoesAndAPowerCycle) {
                                       "1 6040h = 15", "tick 8", "by the bench", "1 6040h = 0"));
 }
 
-// An object of index 0 does not exist. What looked like a mark could hide a master.
+// An object of index 0 does not exist; an entry for it would look like a mark and could hide a
+// master.
 TEST_F(WritesOfABench, HaveNoneOfAnObjectThatWouldBeReadAsAMark) {
   bench->write(kBob, 1, 0, 1'000, 1);
   EXPECT_THAT(entries(0), IsEmpty());
