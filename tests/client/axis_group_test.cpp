@@ -1,5 +1,4 @@
 // SPDX-License-Identifier: Apache-2.0
-// AxisGroup.
 #include "vdrive/client/axis_group.hpp"
 
 #include "client/objects.hpp"
@@ -60,7 +59,8 @@ Eigen::VectorXd vector(std::initializer_list<double> values) {
   return result;
 }
 
-/// Checks every observation of a call: the path of a line, and when each axis reached its target.
+/// Checks every observation of a call: how far the axes are from the line, and when each reaches
+/// its target.
 class Watch {
  public:
   Watch(Eigen::VectorXd starts, Eigen::VectorXd targets)
@@ -74,10 +74,10 @@ class Watch {
     return call;
   }
 
-  /// Largest distance of any axis from the line, in units of demand.
+  /// The largest distance of any axis from the line [UU of demand].
   [[nodiscard]] double deviation() const { return deviation_; }
 
-  /// Ticks between the first and the last arrival of the axes that moved.
+  /// The ticks between the first and the last arrival of the axes that moved.
   [[nodiscard]] std::uint64_t spread() const {
     std::uint64_t first = UINT64_MAX;
     std::uint64_t last = 0;
@@ -116,7 +116,7 @@ class Watch {
       deviation_ = std::max(deviation_, std::abs(demand(axis) - on_line));
       const bool rests =
           seen.axes[static_cast<std::size_t>(axis)].status.velocity_demand_value == 0;
-      // An axis with a few units to go shows its last one before its arrival, and never a speed.
+      // An axis with only a few units to go shows the last of them early, and never a speed.
       if (std::abs(way[axis]) < 1000.0) continue;
       if (rests && demand(axis) == targets_[axis]) arrivals_.emplace(axis, seen.tick);
     }
@@ -136,7 +136,7 @@ class Group : public testing::Test {
  protected:
   explicit Group(const std::string& words = "--clock lockstep --axes 4") : bench_(words) {}
 
-  /// A group of axes from 1.1 on, enabled.
+  /// Creates a group of axes, from 1.1 on, and enables it.
   AxisGroup enabled(int count) {
     auto group = AxisGroup::create(session_, names(1, 1, count));
     if (!group) throw std::runtime_error(group.outcome().message());
@@ -259,9 +259,9 @@ TEST_F(LockStepGroup, MovesTogetherScaledToTheSlowest) {
   EXPECT_EQ(watch.arrived(), 3U);
   EXPECT_EQ(watch.longest_gap(), 1U) << "every tick was observed";
   EXPECT_EQ(watch.fraction(), 1.0);
-  // Axis 2 at 10000 UU/s. The path's ramps are those of axis 1: 409600/20000 = 20.48 /s², that is
-  // 1/20.48 s = 48.83 ms up and down, a path of 1 at 1 /s: 1048.83 ms, 1049 ticks. Counted from
-  // before, with the window time of at most 20 ms.
+  // Axis 2 moves at 10000 UU/s. The path has the ramps of axis 1: 409600/20000 = 20.48 /s², so
+  // 1/20.48 s = 48.83 ms up and down. A path of 1 at 1 /s takes 1048.83 ms, 1049 ticks, counted
+  // from `before`, and the window time of at most 20 ms.
   EXPECT_GE(tick(), before + 1049);
   EXPECT_LE(tick(), before + 1049 + 21);
 }
@@ -279,9 +279,9 @@ TEST_F(LockStepGroup, SharesTheJerkTimeOfAnAxisWithLimitedJerk) {
   EXPECT_LE(watch.deviation(), 1.0);
   EXPECT_EQ(watch.spread(), 0U);
   EXPECT_EQ(watch.arrived(), 3U);
-  // The path has the speed and the ramps of axis 1: 68267/20000 = 3.41 /s and 20.48 /s², and the
-  // jerk of axis 2: 4096000/10000 = 409.6 /s³, which takes 50 ms for the ramps: 166.7 ms + 50 ms
-  // each. A path of 1 at 3.41 /s: 293 ms + 216.7 ms = 509.6 ms. Counted as above.
+  // The path has the speed and the ramps of axis 1: 68267/20000 = 3.41 /s and 20.48 /s². It has the
+  // jerk of axis 2: 4096000/10000 = 409.6 /s³, which adds 50 ms to each ramp of 166.7 ms. A path of
+  // 1 at 3.41 /s takes 293 ms + 216.7 ms = 509.6 ms, counted as above.
   EXPECT_GE(tick(), before + 510);
   EXPECT_LE(tick(), before + 510 + 21);
   EXPECT_NEAR(static_cast<double>(*session_.axis("1.1")->read(kMoveJerkTime)), 50'000.0, 10.0);
@@ -299,7 +299,7 @@ TEST_F(LockStepGroup, ResetsTheTimesOfASynchronousMoveBeforeAnOrdinaryMove) {
 TEST_F(LockStepGroup, ScalesSpeedAndAccelerationByItsFactors) {
   AxisGroup group = enabled(2);
   const std::uint64_t before = tick();
-  // 68267 UU/s · 0.1 and 409600 UU/s² · 0.1: 20000 / 6826.7 + 6826.7 / 40960 = 3.0963 s.
+  // At 68267 UU/s · 0.1 and 409600 UU/s² · 0.1: 20000 / 6826.7 + 6826.7 / 40960 = 3.0963 s.
   ASSERT_TRUE(group.move_together(vector({20'000, 100}), {.velocity_factor = 0.1,
                                                           .acceleration_factor = 0.1,
                                                           .deceleration_factor = 0.1,
@@ -322,9 +322,9 @@ TEST_F(LockStepGroup, RefusesPositionsThatAreMissingNotFiniteOrOutOfRange) {
 
 TEST_F(LockStepGroup, ARefusedStartNamesTheAxisAndNothingMoves) {
   AxisGroup group = enabled(3);
-  // Raised while enabled: the group reads the new limits, but the old ones are in force (607Fh and
-  // 6080h count from the next enabling). 400000 UU in the time that axis 1 needs for its 1000 ask
-  // for 1e6 UU/s, and 136533 are allowed.
+  // Raised while enabled: the group reads the new limits, but the old ones remain in force, because
+  // 607Fh and 6080h take effect at the next enabling. 400000 UU in the time that axis 1 needs for
+  // its 1000 UU require 1e6 UU/s; 136533 UU/s are allowed.
   write("1.2", kVelocity, 1'000'000);
   write("1.2", kSpeedLimit, 1'000'000);
   write("1.2", {0x6080, 0}, 100'000);
@@ -338,7 +338,7 @@ TEST_F(LockStepGroup, ARefusedStartNamesTheAxisAndNothingMoves) {
   ASSERT_TRUE(session_.step(1, 500));
   EXPECT_EQ(group.status()->demand(), vector({0, 0, 0}));
   EXPECT_EQ(group.status()->state, GroupState::standby);
-  // A later resume does not restart the withdrawn move.
+  // A later resume must not restart the withdrawn move.
   ASSERT_TRUE(group.resume_all());
   EXPECT_EQ(group.status()->demand(), vector({0, 0, 0}));
 }
@@ -366,7 +366,7 @@ TEST_F(LockStepGroup, MovesNoAxisWhenOneAxisCannotStart) {
   EXPECT_EQ(group.status()->demand(), vector({0, 0, 0}));
 }
 
-// A rotary table of 4096 UU a turn: positions from 0 to below 4096.
+// A rotary table of 4096 UU a turn, with positions from 0 to below 4096.
 TEST_F(LockStepGroup, MovesAModuloAxisWithinItsRangeAndByNoDirection) {
   AxisGroup group = enabled(3);
   write("1.3", {0x607B, 2}, 4'096);
@@ -449,7 +449,7 @@ TEST_F(LockStepGroup, AFaultOfOneAxisStopsTheOthersWithinTwoTicksOfItsStatus) {
     EXPECT_GE(when, fault) << axis;
     EXPECT_LE(when, fault + 2) << axis;
   }
-  // At rest when the call returns, by 605Ah = 2: Switch on disabled.
+  // The axes are at rest when the call returns; with 605Ah = 2 they are in Switch on disabled.
   const auto seen = group.status();
   for (const AxisSnapshot& axis : seen->axes) {
     EXPECT_EQ(axis.status.velocity_demand_value, 0);
@@ -465,10 +465,10 @@ TEST_F(LockStepGroup, AFaultOfOneAxisStopsTheOthersWithinTwoTicksOfItsStatus) {
   EXPECT_EQ(group.status()->state, GroupState::standby);
 }
 
-/// Another session, which takes axis 1.2 in the middle of a move of the group.
+/// Another session that takes over axis 1.2 in the middle of a group move.
 class Taker {
  public:
-  /// For the call that observes the move.
+  /// @return the options for the call that observes the move.
   GroupCallOptions options() {
     GroupCallOptions call;
     call.progress = [this](const GroupProgress& seen) {
@@ -481,7 +481,7 @@ class Taker {
 
   void take() { EXPECT_TRUE(axis_.take_over()); }
 
-  /// @return whether it says that this session has taken the axis.
+  /// @return whether the outcome names this session as the one that has taken the axis.
   [[nodiscard]] testing::AssertionResult is_named_by(const Outcome& outcome) const {
     const AxisOwner* const owner = outcome.owner();
     const bool is_named = outcome.kind() == OutcomeKind::refused &&
@@ -593,11 +593,12 @@ TEST_F(LockStepGroup, GoesOnAlongItsLineWithLimitedJerkWhileItSpeedsUp) {
   EXPECT_EQ(group.status()->demand(), further);
   EXPECT_LE(watch.deviation(), 1.0);
   EXPECT_EQ(watch.arrived(), 3U);
-  // The last speeds of the shorter ways are rounded to 0 before that of the longest.
+  // The last speeds of the shorter ways are rounded to 0 earlier than that of the longest.
   EXPECT_LE(watch.spread(), 2U);
-  // Axis 1 has both lines' limits: 68267 UU/s after 68267/409600 s + 409600/4096000 s = 266.7 ms,
-  // which needs 9102 UU. The ramp goes on: 40000/68267 s = 585.9 ms and 266.7 ms, as from rest.
-  // Ramps that are rounded up to microseconds may need another tick, and the window time follows.
+  // Axis 1 has the limits of both lines: it needs 68267/409600 s + 409600/4096000 s = 266.7 ms and
+  // 9102 UU to reach 68267 UU/s. The ramp continues, so the time is that of a start from rest:
+  // 40000/68267 s = 585.9 ms and 266.7 ms. Rounding the ramps up to microseconds may add another
+  // tick; then the window time follows.
   EXPECT_GE(tick(), before + 852);
   EXPECT_LE(tick(), before + 855 + 21);
   EXPECT_EQ(*session_.axis("1.1")->read(kMoveReferenceWay), 0) << "an ordinary move follows";
@@ -614,7 +615,7 @@ TEST_F(LockStepGroup, StopsOnItsLineBeforeItsEndAndTurnsBack) {
   on_the_way.call.until = Until::in_force;
   ASSERT_TRUE(group.move_together(before, on_the_way));
   ASSERT_TRUE(session_.step(1, 100));
-  // Still fast: the axes stop first, and come back.
+  // The axes are still too fast: they stop first, then return.
   Watch back(starts, before);
   const Outcome moved = group.move_together(starts, {.call = back.options()});
   ASSERT_TRUE(moved) << moved.message();
@@ -682,7 +683,7 @@ TEST_F(LockStepGroup, ATimeOutNamesTheAxisThatWasLate) {
 
 TEST_F(LockStepGroup, RunsQueuedMovesWithoutATickOfRestBetweenThem) {
   AxisGroup group = enabled(2);
-  write("1.1", {0x6067, 0}, 0);  // in position is the exact unit only, some ms after the demand
+  write("1.1", {0x6067, 0}, 0);  // in position means the exact unit only, some ms after the demand
   const std::vector<Eigen::VectorXd> corners{vector({10'000, 0}), vector({10'000, 10'000}),
                                              vector({0, 0})};
   for (const Eigen::VectorXd& corner : corners) ASSERT_TRUE(group.queue_move(corner));
@@ -711,8 +712,9 @@ TEST_F(LockStepGroup, RunsQueuedMovesWithoutATickOfRestBetweenThem) {
   EXPECT_EQ(group.status()->demand(), vector({0, 0}));
 }
 
-// The profile of a line may end a rounding of its time, or a part of a millisecond, after the tick
-// in which 6062h and 606Bh show its target: the drive has to take the next line in that tick.
+// The profile of a line may end slightly (a rounding of its time, or a part of a millisecond) after
+// the tick in which 6062h and 606Bh show its target. The drive must take the next line in that
+// tick.
 TEST_F(LockStepGroup, RunsALineThatIsQueuedAfterAnyLine) {
   AxisGroup group = enabled(2);
   std::minstd_rand random(48);
@@ -720,7 +722,7 @@ TEST_F(LockStepGroup, RunsALineThatIsQueuedAfterAnyLine) {
     return static_cast<double>(random() % 100'000) - 50'000.0;
   };
   write("1.2", kDeceleration, 1'000);  // below 0.5 UU/s for half a tick
-  // Over DDS each tick takes some twenty times as long.
+  // Over DDS a tick takes some twenty times as long.
   const int share = test::runs_over_dds() ? 20 : 1;
   const int pairs = test::number_of<int>({.usual = 60, .full = 600, .nightly = 6'000}) / share;
   for (int pair = 0; pair < pairs; ++pair) {
@@ -769,12 +771,12 @@ TEST_F(LockStepGroup, StreamsACircle) {
     ASSERT_TRUE(seen) << seen.outcome().message();
     ASSERT_THAT(seen->not_following(), IsEmpty());
     ASSERT_LE((seen->demand() - wanted).cwiseAbs().maxCoeff(), 0.5) << "6062h is the position";
-    // The first position asks for full speed at once: the servo has settled 100 ms later.
+    // The first position demands full speed immediately; after 100 ms the servo has settled.
     if (step > 100) worst = std::max(worst, (seen->actual() - wanted).norm());
   }
   EXPECT_EQ(tick(), before + 2000);
-  // Speed on the circle: 2·pi·4096 UU in 2 s = 12868 UU/s, 12.9 UU a tick. A servo that were a tick
-  // late would be off by that much.
+  // The speed on the circle is 2·pi·4096 UU in 2 s = 12868 UU/s, 12.9 UU a tick: the error of a
+  // servo that is a tick late.
   EXPECT_LE(worst, 12.9);
   ASSERT_TRUE(group.stop_streaming());
   ASSERT_TRUE(group.move_together(vector({500, 500}))) << "profile position is back";
@@ -799,7 +801,7 @@ TEST_F(LockStepGroup, StreamsVelocitiesOfThreeAxes) {
   ASSERT_TRUE(group.move_together(vector({0, 0, 0}))) << "profile position is back";
 }
 
-// 6074h is the command of the last of 8 servo cycles: one step of an eighth before the end.
+// 6074h is the command of the last of 8 servo cycles, an eighth of a step before the end.
 TEST_F(LockStepGroup, StreamsTorquesOfThreeAxes) {
   AxisGroup group = enabled(3);
   ASSERT_TRUE(group.start_streaming({.what = Streamed::torques}));
@@ -821,7 +823,7 @@ TEST_F(LockStepGroup, AStreamReportsTheAxesThatDoNotFollow) {
   AxisGroup group = enabled(2);
   ASSERT_TRUE(group.start_streaming({.pace = Pace::observe}));
   const std::uint64_t before = tick();
-  ASSERT_TRUE(group.stream(vector({10, 5000})));  // 5000 UU in 1 ms: beyond 607Fh
+  ASSERT_TRUE(group.stream(vector({10, 5000})));  // 5000 UU in 1 ms: above 607Fh
   EXPECT_EQ(tick(), before) << "the caller steps";
   ASSERT_TRUE(session_.step(1, 1));
   EXPECT_THAT(group.status()->not_following(), ElementsAre(AxisId{1, 2}));
@@ -838,7 +840,7 @@ TEST_F(LockStepGroup, RefusesAMonitorInLockStep) {
   EXPECT_EQ(group.monitor(true).kind(), OutcomeKind::refused);
 }
 
-// A sanitizer needs many times the time, and finds the same in fewer moves.
+// A sanitizer takes many times as long, and finds the same with fewer moves.
 #ifdef VDRIVE_SANITIZED
 constexpr int kRandomMoves = 20;
 #else
@@ -849,7 +851,8 @@ class BigGroup : public Group {
  protected:
   BigGroup() : Group("--clock lockstep --axes 64") {}
 
-  /// Limits of any size, so that any axis may be the slowest; position windows without a wait.
+  /// Sets random limits, so that any axis may be the slowest, and position windows that end no move
+  /// late.
   void prepare(std::mt19937_64& random) {
     const auto between = [&](double low, double high) {
       return static_cast<std::int64_t>(
@@ -916,7 +919,7 @@ TEST(TwoServices, FormOneGroupInLockStep) {
   EXPECT_EQ(group->status()->demand(), targets);
   EXPECT_EQ(*session.step(1, 0) - first, *session.step(2, 0) - second) << "they step together";
 
-  // A fault on one stops the axes of the other.
+  // A fault of an axis of one bench stops the axes of the other.
   ASSERT_TRUE(group->move_together(vector({100'000, 100'000, 100'000, 100'000}), at_start()));
   ASSERT_TRUE(session.axis("2.2")->write(kBlockedLoad, 1));
   const Outcome failed = group->wait_all();
@@ -936,7 +939,7 @@ TEST(TwoServices, ARefusedStartOnOneServiceMovesNoAxisOfTheOther) {
   ASSERT_TRUE(group->enable_all());
   auto axis = session.axis("2.1");
   ASSERT_TRUE(axis->write(kVelocity, 1'000'000));
-  ASSERT_TRUE(axis->write(kSpeedLimit, 1'000'000));  // in force with the next enabling only
+  ASSERT_TRUE(axis->write(kSpeedLimit, 1'000'000));  // takes effect at the next enabling only
   ASSERT_TRUE(axis->write({0x6080, 0}, 100'000));
   ASSERT_TRUE(session.axis("1.1")->write(kVelocity, 136'000));
   const Outcome refused = group->move_together(vector({100'000, 400'000}));
@@ -958,7 +961,7 @@ TEST(TwoServices, WithDifferentClocksCannotFormAGroup) {
   EXPECT_THAT(periods.outcome().message(), HasSubstr("bench 1 and bench 3 have different periods"));
 }
 
-/// What a move of two axes showed of each tick. A busy machine misses some.
+/// The demands that a move of two axes showed by tick. On a busy machine some ticks are missed.
 class DemandByTick {
  public:
   GroupCallOptions options() {
@@ -971,7 +974,7 @@ class DemandByTick {
     return call;
   }
 
-  /// @return the demands of the first and of the second axis in every tick that was seen of both.
+  /// @return the demands of both axes in every tick in which both were seen.
   [[nodiscard]] std::vector<std::pair<std::int32_t, std::int32_t>> in_both() const {
     std::vector<std::pair<std::int32_t, std::int32_t>> pairs;
     const auto& other = demands_.rbegin()->second;
@@ -987,8 +990,8 @@ class DemandByTick {
   std::map<AxisId, std::map<std::uint64_t, std::int32_t>> demands_;
 };
 
-/// Counts the ticks that the benches of a session skip: drive time stands still there, and the
-/// moves of two benches are no longer side by side.
+/// Counts the jumps of the tick number on the benches of a session. In a jump drive time stands
+/// still, so the moves of two benches are no longer synchronous.
 class Jumps {
  public:
   explicit Jumps(Session& session) : session_(session) {
@@ -1009,7 +1012,8 @@ class Jumps {
     return count_;
   }
 
-  /// @return whether there are more than `count`, also when their events are on the way.
+  /// @return whether there are more than `count` jumps; waits for events that are still on their
+  ///         way.
   [[nodiscard]] bool exceed(int count) {
     std::unique_lock lock(mutex_);
     return changed_.wait_for(lock, 2s, [&] {
@@ -1024,10 +1028,10 @@ class Jumps {
   int count_ = 0;
 };
 
-// Equal axes with equal ways have equal demands in each tick, or they did not start in one. A
-// machine that stands still for longer than the frames are sent ahead lets one bench refuse its
-// frame after the other has taken its own: the start is withdrawn, and the next move brings both to
-// one place.
+// If equal axes that move equally far do not have equal demands in each tick, they did not start in
+// the same tick. If the machine stalls for longer than frames are sent ahead, one bench may refuse
+// its frame after the other has taken its own. The start is then withdrawn, and the next move
+// brings both to the same position.
 TEST(TwoServices, StartInTheSameTickInRealTime) {
   const BenchOnWire left(patient("--clock realtime --axes 1"));
   const BenchOnWire right(patient("--clock realtime --bench 2 --axes 1"));
@@ -1068,10 +1072,10 @@ TEST(TwoServices, StartInTheSameTickInRealTime) {
   EXPECT_EQ(judged, 3) << "moves of which both benches were seen, without a jump";
 }
 
-/// Streams 1,000 set-points. @return whether each came in time.
+/// Streams 1,000 set-points. @return whether each arrived in time.
 testing::AssertionResult stream_a_thousand(
     AxisGroup& group, Streamed what, const std::function<Eigen::VectorXd(int)>& set_points_of) {
-  // A busy machine may take longer than 10 ms to let this thread run.
+  // A busy machine may not run this thread for more than 10 ms.
   const Outcome started = group.start_streaming({.lead = 400ms, .what = what});
   if (!started) return testing::AssertionFailure() << started.message();
   std::uint64_t first = 0;
@@ -1091,7 +1095,7 @@ testing::AssertionResult stream_a_thousand(
   return testing::AssertionSuccess();
 }
 
-/// Two enabled axes in real time, whose session lives on its set-points.
+/// Two enabled axes in real time. Only its set-points keep the session alive.
 class RealtimeStream {
  public:
   RealtimeStream() {
@@ -1101,9 +1105,9 @@ class RealtimeStream {
     }
   }
 
-  /// A machine that stands still for longer than the lead makes a set-point late: from the start.
-  /// @param set_points_of the steps 1 to 1000 of a stream from the demand that it gets
-  /// @return the way of 6062h, or none where a set-point was late in each of 10 attempts.
+  /// Streams until no set-point was late; after a stall longer than the lead, it starts again.
+  /// @param set_points_of returns the set-points of steps 1 to 1000, given the demand at the start
+  /// @return the change of 6062h; nothing if a set-point was late in each of 10 attempts.
   std::optional<Eigen::VectorXd> way_of(
       Streamed what,
       const std::function<Eigen::VectorXd(const Eigen::VectorXd&, int)>& set_points_of) {
@@ -1140,8 +1144,8 @@ TEST(RealtimeGroup, StreamsAheadOfTheClock) {
   EXPECT_EQ(*way, vector({2'000, -1'000}));
 }
 
-// Up to 20000 UU/s in half a second and back: 20000 / 2 UU. The position loop is open, 6062h is
-// where the axes are.
+// Up to 20000 UU/s in half a second and back: 20000 / 2 UU. The position loop is open, so 6062h is
+// the actual position.
 TEST(RealtimeGroup, StreamsVelocitiesAheadOfTheClock) {
   RealtimeStream stream;
   const auto way =
@@ -1170,7 +1174,8 @@ TEST(RealtimeGroup, AMonitorStopsTheOtherAxesWhileNoCallWaits) {
   EXPECT_TRUE(group->monitor(false));
 }
 
-// The others move for 1 s when the second axis reaches the switch: it leaves the common line.
+// The other axes would move for 1 s more when the second axis reaches the switch and leaves the
+// common line.
 TEST_F(Group, StopsWhenALimitSwitchStopsOneAxis) {
   AxisGroup group = enabled(3);
   ASSERT_TRUE(group.move_together(vector({60'000, 60'000, 60'000}), at_start()));

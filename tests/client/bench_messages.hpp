@@ -14,7 +14,7 @@ namespace vdrive::client {
 inline constexpr Directory::Clock::time_point kStart{};
 inline constexpr wire::Source kSource{{1, 2, 3}};
 
-/// Nobody is known for certain to be there.
+/// A presence without any participants: benches are judged by the age of their samples.
 inline const wire::Presence& by_age() {
   static const wire::PresenceByAge presence([](std::string_view /*beginning*/) {
     return std::vector<wire::OtherParticipant>();

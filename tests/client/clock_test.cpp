@@ -27,7 +27,7 @@ constexpr std::array<std::uint32_t, 1> kFirst{1};
 constexpr std::array<std::uint32_t, 2> kBoth{1, 2};
 constexpr std::chrono::milliseconds kSoon{500};
 
-/// @return the session's number as messages write it.
+/// @return the session number as it appears in messages.
 std::string hex(std::uint64_t session) {
   std::array<char, 20> text{};
   std::snprintf(text.data(), text.size(), "0x%016llx", static_cast<unsigned long long>(session));
@@ -81,8 +81,8 @@ TEST(StepClock, LeavesTheClockWhenItIsDestroyed) {
   EXPECT_EQ(*other.step(1, 1), 1U);
 }
 
-/// A thread that has joined a clock cannot join it with another session: a second master has its
-/// own.
+/// Joins in another thread, because a thread that has joined a clock cannot join it again with
+/// another session.
 Result<StepClock> join_in_another_thread(Session& session, std::span<const std::uint32_t> benches) {
   return std::async(std::launch::async,
                     [&] {
@@ -148,7 +148,8 @@ TEST(StepClock, RefusesToWaitForMoreThanAClockHas) {
   EXPECT_THAT(clock.outcome().message(), HasSubstr("a clock has at most 64 steppers"));
 }
 
-// The calls of a session that has joined advance time as far as the other stepper allows.
+// The calls of a session that has joined a clock advance time only as far as the other stepper
+// allows.
 TEST(StepClock, MakesCallsOfItsSessionWaitForTheOtherSteppers) {
   const BenchOnWire bench("--clock lockstep");
   Session alice(options_on_wire());
@@ -256,7 +257,7 @@ TEST(RealtimeSession, RefusesARateOutOfRange) {
 }
 
 // Drive time runs a thousand times as fast as the wall clock, and the move takes less than 2 s of
-// it. Without the rule such a deadline is over before the command arrives.
+// drive time. If the time-out counted from the call, it would expire before the command arrives.
 TEST(FreerunSession, CountsADeadlineFromTheTickInWhichTheCommandIsInForce) {
   constexpr CallOptions kShort{.timeout = 2s};
   const BenchOnWire bench("--clock freerun");

@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// One of several programs that step a bench together, each with an axis of its own:
-// co_stepper DOMAIN AXIS AXES STEPPERS. Says when it has joined the clock; then moves its axis and
-// looks at all axes, at ticks of its own; then prints a number that is made of all that it saw.
+// One of several programs that step a bench together, each with its own axis: co_stepper DOMAIN
+// AXIS AXES STEPPERS. Prints "joined" when it has joined the clock, then moves its axis and
+// observes all axes at ticks of its own choice, and finally prints a digest of all that it
+// observed.
 #include "vdrive/client/axis.hpp"
 #include "vdrive/client/session.hpp"
 #include "vdrive/client/step_clock.hpp"
@@ -22,7 +23,6 @@ namespace client = vdrive::client;
 
 constexpr std::uint32_t kBench = 1;
 
-/// FNV-1a of numbers.
 class Digest {
  public:
   void add(std::int64_t number) {
@@ -66,7 +66,7 @@ std::uint64_t run(std::uint32_t domain, std::uint16_t number, std::uint16_t coun
   auto clock = client::StepClock::join(session, std::array{kBench}, steppers);
   require(clock.outcome());
   std::cout << "joined" << std::endl;
-  const auto awaited = clock->step(1, 60s);  // the other programs are being started
+  const auto awaited = clock->step(1, 60s);  // the other programs are still starting
   require(awaited.outcome());
   std::vector<client::AxisId> axes;
   for (std::uint16_t each = 1; each <= count; ++each) axes.push_back({kBench, each});

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Programs that step one bench together.
+// Programs that step a bench together.
 #include "client/session_options.hpp"
 #include "support/effort.hpp"
 #include "support/test_domain.hpp"
@@ -19,13 +19,13 @@ using test::RunningService;
 
 constexpr std::size_t kPrograms = 3;
 
-/// What each program saw, as a number.
+/// The digest of the observations of each program.
 using Seen = std::array<std::string, kPrograms>;
 
-/// Runs the programs on a bench of their own; each starts once the previous one has joined the
-/// clock.
+/// Runs the programs on a new bench; each starts after the previous one has joined the clock.
 /// @param first the program that is started first
-/// @param is_configured whether the bench awaits the programs, or the programs each other
+/// @param is_configured whether the bench waits for all programs; otherwise the programs wait for
+///        each other
 Seen seen_in_a_run(std::size_t first, bool is_configured) {
   const std::string count = std::to_string(kPrograms);
   const RunningService service(test::patient("--clock lockstep --axes " + count) +
@@ -47,7 +47,7 @@ Seen seen_in_a_run(std::size_t first, bool is_configured) {
   return seen;
 }
 
-// Without the wait the first program steps alone until the next one has joined.
+// If the programs did not wait, the first would step alone until the next had joined.
 TEST(CommonClock, GivesThreeProgramsTheSameBitsInEachRunInWhateverOrderTheyStart) {
   const int runs = test::number_of<int>({.usual = 3, .full = 50, .nightly = 200});
   const Seen first = seen_in_a_run(0, false);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Which session has control when programs end, hang or continue late: real services, real clients.
+// Which session has control when programs end, hang or resume late; with real services and clients.
 #include "client/session_options.hpp"
 #include "service/probe.hpp"
 #include "support/deadline.hpp"
@@ -33,8 +33,7 @@ using test::RunningService;
 
 constexpr std::uint64_t kWatchdog = 500;  // [ticks] of 1 ms, the default
 constexpr std::uint16_t kConnectionLost = 0x8130;
-// On a machine that stands still for half a second every session is lost: such a run proves
-// nothing.
+// If the machine stalls for half a second, every session is lost and the run proves nothing.
 constexpr int kAttempts = 5;
 
 /// Ticks of a bench in real time are milliseconds since the epoch.
@@ -48,7 +47,7 @@ bool in_fault(const AxisSnapshot& axis) {
   return axis.state() == PowerState::fault_reaction_active || axis.state() == PowerState::fault;
 }
 
-/// Another program that enables axis 1.1 and moves it to and fro.
+/// Another program that enables axis 1.1 and moves it back and forth.
 class Master {
  public:
   Master()
@@ -57,7 +56,7 @@ class Master {
 
   void send(int signal) const { process_.send(signal); }
 
-  /// Reads its output until a move is done.
+  /// Reads its output until a move has ended. @return whether the move succeeded.
   [[nodiscard]] bool has_moved() {
     for (std::string line = process_.read_line(); !line.empty(); line = process_.read_line()) {
       const auto printed = nlohmann::json::parse(line);
@@ -70,7 +69,7 @@ class Master {
   Process process_;
 };
 
-/// Sessions that each hold an axis of their own, from 1.2 on.
+/// Sessions that each own one axis, from 1.2 on.
 class Bystanders {
  public:
   explicit Bystanders(int count) {
@@ -82,7 +81,7 @@ class Bystanders {
     }
   }
 
-  /// @return whether all of them could enable their axes.
+  /// Enables the axes of all sessions. @return whether that succeeded.
   [[nodiscard]] bool enable() {
     for (Axis& axis : axes_) {
       if (!axis.reset_fault() || !axis.enable()) return false;
@@ -106,9 +105,9 @@ class Bystanders {
   std::vector<Axis> axes_;
 };
 
-/// The effects of a signal to the master of a moving axis.
+/// How the axis reacts to a signal sent to the master that moves it.
 struct Loss {
-  std::uint64_t signalled = 0;  ///< tick at the latest
+  std::uint64_t signalled = 0;  ///< the latest tick possible
   AxisSnapshot fault;
   AxisSnapshot rest;
 };
@@ -130,7 +129,8 @@ std::optional<Loss> lose(const Master& master, Axis& axis, int signal) {
   return loss;
 }
 
-/// @return whether the bystanders kept their axes on this machine.
+/// @return whether the bystanders kept their axes and the reaction was in time; false may be due to
+///         a busy machine.
 bool lose_among_bystanders(int signal) {
   const RunningService service("--clock realtime --axes 6");
   Session observer(options());
@@ -145,11 +145,12 @@ bool lose_among_bystanders(int signal) {
   if (!loss || !observer.wait(1, 200ms) || !bystanders.are_unharmed()) return false;
   EXPECT_EQ(loss->rest.status.error_code, kConnectionLost);
   EXPECT_EQ(loss->rest.owner_session, 0U);
-  // The master sent last before the signal; a reaction takes the time-out and two ticks.
+  // The last message of the master precedes the signal. The reaction takes the time-out and two
+  // ticks.
   const bool in_time = loss->fault.tick <= loss->signalled + kWatchdog + 2;
-  // A session sends its keep-alive every 25 ms, so the last one came at most that long before.
+  // A session sends its keep-alive every 25 ms, so its last one was sent at most that long before.
   EXPECT_GE(loss->fault.tick, loss->signalled + kWatchdog - 50) << "a reaction without cause";
-  // Nothing resumes by itself while time passes and other sessions work.
+  // No axis resumes by itself while time passes and other sessions work.
   EXPECT_TRUE(observer.wait(1, 500ms));
   const auto later = axis.status();
   EXPECT_EQ(later->state(), PowerState::fault);
@@ -172,7 +173,7 @@ INSTANTIATE_TEST_SUITE_P(Signals, SilentMaster, testing::Values(SIGKILL, SIGSTOP
                            return std::string(value.param == SIGKILL ? "Killed" : "Stopped");
                          });
 
-/// @return whether this session kept its axes on this machine.
+/// @return whether this session kept its axis; false may be due to a busy machine.
 bool wake_the_old_master() {
   const RunningService service("--clock realtime --axes 1");
   Session sut(options());
@@ -183,7 +184,7 @@ bool wake_the_old_master() {
   if (!axis.reset_fault() || !axis.enable() || !axis.move_to(12'345)) return false;
   const auto before = axis.status();
   old.send(SIGCONT);
-  // It continues where it stopped: with old messages, new messages, and a request for the axis.
+  // It resumes where it stopped: with old messages, new messages, and a request for the axis.
   const auto disturbed = axis.wait_until(
       [&](const AxisSnapshot& seen) {
         return seen.owner_session != sut.id() || seen.status.position_demand_value != 12'345 ||
@@ -213,7 +214,7 @@ TEST(OldMaster, ChangesNothingAfterARestartOfTheService) {
   auto present = std::make_unique<Probe>(test::test_domain());
   ASSERT_TRUE(present->find_bench());
   ASSERT_NE(present->incarnation, first_run);
-  // The new run counts epochs anew: the number of the old one may well be in force again.
+  // A new run starts counting epochs again, so the epoch of the old session may be in force again.
   present->session = 0x9999;
   ASSERT_TRUE(present->acquire({1}));
   EXPECT_EQ(present->epoch, old.epoch);
@@ -235,7 +236,7 @@ TEST(OldMaster, ChangesNothingAfterARestartOfTheService) {
   EXPECT_EQ(statusword->objects[0].value, 0x250) << "after a restart axes are disabled";
 }
 
-/// The changes of services that a session reports, in order.
+/// Records the changes of services that a session reports, in order.
 class News {
  public:
   void operator()(const ServiceChange& change) {
@@ -244,7 +245,7 @@ class News {
     changed_.notify_all();
   }
 
-  /// Waits for that news, from now on. @return nothing after 10 s.
+  /// Waits for the next such change. @return nothing after 10 s.
   std::optional<ServiceChange> next(ServiceNews wanted) {
     std::unique_lock lock(mutex_);
     constexpr auto kPatience = 10s;

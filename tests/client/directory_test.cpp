@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Which benches are present: judged by the age of samples, and by who is on a bus.
+// Which benches are present, judged by the age of their samples and by the participants on the bus.
 #include "presence/directory.hpp"
 
 #include "bench_messages.hpp"
@@ -78,8 +78,7 @@ TEST_F(DirectoryOnABus, ListsABenchFromItsDescriptionUntilItsSenderLeaves) {
   EXPECT_EQ(sut_.age({1, 10}, later), std::nullopt);
 }
 
-// Only a state has the rate: a session that comes to a paused bench would take it for one that
-// runs.
+// Only the state has the rate. A session that finds a paused bench would assume that it runs.
 TEST_F(DirectoryOnABus, ListsABenchInRealTimeAfterItsState) {
   msg::BenchDescription in_real_time = description(1, 10);
   in_real_time.clock_mode = msg::ClockMode::realtime;
@@ -243,7 +242,7 @@ TEST(Directory, SurvivesInvalidMessages) {
   EXPECT_EQ(sut.tick({2, 2}), 0U);
 }
 
-// Invented numbers: each as if another service had started.
+// Announces runs with invented numbers, as if another service had started for each.
 void announce(Directory& sut, std::uint64_t first, std::size_t count,
               Directory::Clock::time_point now, std::uint16_t parts = 1) {
   for (std::uint64_t run = first; run < first + count; ++run) {
@@ -291,7 +290,7 @@ TEST(Directory, KeepsAtMostFourThousandPartsOfDescriptions) {
   EXPECT_TRUE(sut.find(1, later).has_value()) << "in place of one that is silent";
 }
 
-// A state, then frames across a jump over 9,000 ticks, one of them late.
+// A state, then frames after a jump over 9,000 ticks, one of them late.
 TEST(Directory, CountsDriveTimeWithoutTheTicksThatTheNumberJumpedOver) {
   Directory sut(by_age());
   constexpr BenchKey kRun{1, 10};

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a session finds: real services, and a participant that is none yet.
+// The services that a session finds: real ones, and a participant that has no bench yet.
 #include "client/session_options.hpp"
 #include "support/test_domain.hpp"
 #include "tool/process.hpp"
@@ -66,7 +66,7 @@ TEST(Discovery, NamesTheBenchAndTheInterfacesThatItLookedFor) {
             EndsWith("; next step: vdrive --domain " + domain + " --interface 127.0.0.1 doctor")));
 }
 
-/// A participant of a service, without a bench until it gets SIGUSR1.
+/// A participant of a service that describes its bench only after SIGUSR1.
 class MuteService {
  public:
   MuteService()
@@ -160,7 +160,7 @@ TEST(Discovery, FindsANameAsSoonAsItsBenchAnswers) {
   }
   const auto deadline = std::chrono::steady_clock::now() + 30s;
   auto shortest = std::chrono::steady_clock::duration::max();
-  while (shortest >= 150ms) {  // the machine may be busy
+  while (shortest >= 150ms) {  // long on a busy machine
     ASSERT_LT(std::chrono::steady_clock::now(), deadline);
     Session sut(options());
     const auto begin = std::chrono::steady_clock::now();

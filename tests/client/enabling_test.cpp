@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Each call that enables lets the axes rest, whatever another program has left in their targets;
-// and a jog, however it ends, leaves no velocity.
+// After any call that enables them the axes rest, whatever another program has left in their
+// targets. A jog leaves no velocity, however it ends.
 #include "client/objects.hpp"
 #include "support/bench_on_wire.hpp"
 #include "vdrive/cia402/operating_mode.hpp"
@@ -23,7 +23,7 @@ using test::options_on_wire;
 /// Two axes in lock-step.
 class LeftAxes : public testing::Test {
  protected:
-  /// What a program leaves that dies: a mode, and 200 in every target and offset.
+  /// Writes a mode, and 200 to every target and offset, as a program may leave them when it dies.
   void leave(OperatingMode mode) {
     for (Axis& axis : axes_) {
       ASSERT_TRUE(axis.write(kMode, static_cast<std::int64_t>(mode)));
@@ -36,7 +36,7 @@ class LeftAxes : public testing::Test {
     ASSERT_TRUE(session_.step(1, 2));
   }
 
-  /// @return the demand of both axes after the time of a motion.
+  /// @return the demands of both axes after enough time for a motion.
   std::array<std::int32_t, 2> demands_later() {
     EXPECT_TRUE(session_.step(1, 300));
     std::array<std::int32_t, 2> demands{};
@@ -104,7 +104,7 @@ TEST_P(Enabling, LetsTheAxesRestInEveryMode) {
   }
 }
 
-// Its mode has 60FFh = 200 in it, in which the fault has stopped it.
+// The axis is still in the mode with 60FFh = 200 in which the fault has stopped it.
 TEST_P(Enabling, LetsAnAxisRestThatAFaultOrAQuickStopHasStopped) {
   enable();
   for (const bool by_fault : {true, false}) {
@@ -134,7 +134,7 @@ TEST_P(Enabling, KeepsTheTargetsWhereThatIsAskedFor) {
   }
 }
 
-// It runs, and goes on running.
+// The axis keeps running.
 TEST_P(Enabling, WritesNothingToAnAxisThatIsEnabled) {
   enable();
   ASSERT_TRUE(axes_[0].run_at(200));
@@ -147,7 +147,7 @@ INSTANTIATE_TEST_SUITE_P(Calls, Enabling, testing::ValuesIn(kEnablingCalls), [](
   return std::string(info.param.name);
 });
 
-/// What happens to a jog in its tick 50.
+/// Something that happens to a jog in its 50th tick.
 struct EndOfJog {
   const char* name;
   void (*end)(Session& session, Axis& axis);
@@ -196,7 +196,7 @@ TEST_P(JoggedAxis, HasNoVelocityLeftAndRestsWhenItIsEnabledAgain) {
         EXPECT_NE(seen.status.velocity_demand_value, 0);
         GetParam().end(session_, axis);
       }
-      return ticks < 60;  // then the button is released
+      return ticks < 60;  // then the operator releases the button
     });
   } catch (int) {
   }

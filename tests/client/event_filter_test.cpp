@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Which events are new to a program.
+// Which events a program has not yet seen.
 #include "streams/event_filter.hpp"
 
 #include "vdrive/client/event.hpp"

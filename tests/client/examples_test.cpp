@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The example programs, unchanged, against real services.
+// The example programs, unmodified, with real services.
 #include "client/session_options.hpp"
 #include "support/test_domain.hpp"
 #include "tool/process.hpp"
@@ -24,7 +24,7 @@ Finished run(const std::string& example) {
       .wait();
 }
 
-/// 6064h of an axis.
+/// @return 6064h of an axis.
 std::int64_t position(const std::string& axis) {
   SessionOptions options;
   options.domain = test::test_domain();
@@ -58,8 +58,9 @@ TEST(Examples, ThreeAxisFigure) {
   for (const char* const axis : {"1.1", "1.2", "1.3"}) EXPECT_EQ(position(axis), 0) << axis;
 }
 
-/// Runs the example of two services. @return whether the machine kept up: a bench that had to skip
-/// ticks reports it; the other axis is behind. A frame that came too late ends the example.
+/// Runs the example of two services. @return whether the machine kept up. It did not if a bench
+/// reports that it skipped ticks, because the other axis is then ahead, or if a late frame ended
+/// the example.
 bool draw_gantry() {
   RunningService left(patient("--clock realtime --axes 1 --log-level debug"));
   RunningService right(patient("--clock realtime --bench 2 --axes 1 --log-level debug"));
@@ -86,7 +87,7 @@ TEST(Examples, Cosimulation) {
   const RunningService service("--clock lockstep");
   const Finished ended = run("04_cosimulation");
   EXPECT_EQ(ended.code, 0) << ended.output << ended.errors;
-  // 0.5 kg at 0.2 m: 9.81 m/s² · 0.1 kg.m = 981 mN.m, and nothing upright.
+  // 0.5 kg at 0.2 m: 9.81 m/s² · 0.1 kg.m = 981 mN.m; upright the torque is zero.
   EXPECT_THAT(ended.output, HasSubstr("against -981 mN.m"));
   EXPECT_THAT(ended.output, HasSubstr("against 0 mN.m"));
   EXPECT_NEAR(static_cast<double>(position("1.1")), 2048.0, 1.0);
@@ -102,7 +103,7 @@ TEST(Examples, TestBenchWithFaults) {
   EXPECT_EQ(position("1.1"), 0);
 }
 
-// From 0 by 4096 UU; each set-point is the demand of the tick that it was sent for.
+// From 0 to 4096 UU; each set-point is the demand in the tick for which it was sent.
 TEST(Examples, SetPoints) {
   const RunningService service("--clock lockstep");
   const Finished ended = run("07_set_points");

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What led to a fault, told from a window alone.
+// The causes of a fault, told from its window alone.
 #include "vdrive/client/fault_story.hpp"
 
 #include <gmock/gmock.h>
@@ -22,7 +22,7 @@ constexpr ObjectAddress kFollowingWindow{0x6065, 0};
 constexpr std::uint64_t kFault = 100;
 constexpr std::uint32_t kFollowingError = 0x8611;
 
-/// Axis 1 of bench 1 in the ticks 0 to 100, with a fault in the last one.
+/// Ticks 0 to 100 of axis 1 of bench 1, with a fault in the last one.
 Window window_with_fault() {
   Window window;
   window.kept.causes = {{.kind = WindowCause::Kind::fault,
@@ -86,7 +86,7 @@ TEST(StoryOfAFault, SaysHowLongTheFollowingErrorWasBeyondItsWindow) {
   Window window = window_with_fault();
   window.values = {{.tick = 0, .axis = 1, .object = kFollowingWindow, .value = 500}};
   for (std::uint64_t tick = 0; tick <= kFault; ++tick) {
-    // Beyond 500 UU once, early, and then from tick 75 on.
+    // Above 500 UU once early on, and then from tick 75 on.
     window.samples[tick].axes.front().status.load_position_error_value =
         tick == 20 || tick >= 75 ? -600 : 10;
   }

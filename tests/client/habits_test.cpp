@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Calls of the client to drives with the habits of docs/guides/be-another-drive.md.
+// Client calls to drives with the habits of docs/guides/be-another-drive.md; the letters are those
+// of its list.
 #include "client/objects.hpp"
 #include "support/bench_on_wire.hpp"
 #include "vdrive/cia402/statusword.hpp"
@@ -113,7 +114,7 @@ TEST_F(DriveWithHabits, StopsAndEnablesAgainWhateverQuickStopActiveDoes) {
   }
 }
 
-// d: where 605Ah keeps the state.
+// d: if 605Ah keeps the state.
 TEST_F(DriveWithHabits, EnablesFromQuickStopActiveWithoutTransition16) {
   have("habit_transition_16", 2);
   ASSERT_TRUE(axis_.write({0x605A, 0}, 6));
@@ -141,7 +142,7 @@ TEST_F(DriveWithHabits, MovesHomesAndStopsADriveThatLooksOnceIn4Ms) {
   have("habit_controlword_loop", 4);
   expect_enabled();
   for (const std::int32_t target : {1'000, 2'000, -300}) expect_move_to(target);
-  // 2000 UU at 2000 UU/s.
+  // 2000 UU at 2000 UU/s take 1 s.
   const std::uint64_t before = axis_.status().value().tick;
   const std::int64_t usual = axis_.read(kVelocity).value();
   MoveOptions slowly;
@@ -167,7 +168,7 @@ TEST_F(DriveWithHabits, MovesHomesAndStopsADriveThatLooksOnceIn4Ms) {
   expect_enabled();
 }
 
-// f: the state before the stop is not the one behind it.
+// f: the drive still shows the state before the stop.
 TEST_F(DriveWithHabits, AQuickStopOfADriveThatLooksSeldomEndsAtStandstill) {
   have("habit_controlword_loop", 16);
   auto group = AxisGroup::create(session_, std::array{axis_, other_}).value();
@@ -183,7 +184,7 @@ TEST_F(DriveWithHabits, AQuickStopOfADriveThatLooksSeldomEndsAtStandstill) {
   }
 }
 
-// f: the axis would start up to 4 ms behind the others.
+// f: the axis would start up to 4 ms after the others.
 TEST_F(DriveWithHabits, AGroupMoveOfADriveThatLooksOnceIn4MsIsRefused) {
   have("habit_controlword_loop", 4);
   auto group = AxisGroup::create(session_, std::array{axis_, other_}).value();
@@ -197,7 +198,7 @@ TEST_F(DriveWithHabits, AGroupMoveOfADriveThatLooksOnceIn4MsIsRefused) {
   EXPECT_EQ(other_.status().value().status.position_demand_value, 0) << "no axis has started";
 }
 
-// k: the axis would lose its speed, and its line.
+// k: the axis would lose its speed and leave the line.
 TEST_F(DriveWithHabits, AGroupLineInMotionOfADriveThatPlansFromRestIsRefused) {
   have("habit_plan_from_rest", 1);
   auto group = AxisGroup::create(session_, std::array{axis_, other_}).value();
@@ -273,7 +274,7 @@ TEST_F(DriveWithHabits, AResetWaitsForItsEffect) {
   EXPECT_EQ(state(), PowerState::switch_on_disabled);
 }
 
-// j: bit 10 of the mode means nothing to a stream.
+// j: bit 10 of this mode has no meaning for a stream.
 TEST_F(DriveWithHabits, StreamsWhereBit10Toggles) {
   have("habit_stream_target_bit", 1);
   auto group = AxisGroup::create(session_, std::array{axis_}).value();

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Which targets a line can take that starts while its axes move.
+// The targets that are valid for a line that starts while its axes move.
 #include "groups/line_course.hpp"
 
 #include <gmock/gmock.h>
@@ -24,14 +24,14 @@ AxisSnapshot moving_axis(std::uint16_t number, std::int32_t position, std::int32
   return axis;
 }
 
-/// Two axes in the middle of a line of 9000 and -3000 UU, at 600 and -200 UU/s.
+/// Two axes in the middle of a line over 9000 and -3000 UU, moving at 600 and -200 UU/s.
 class MovingLine : public testing::Test {
  protected:
   [[nodiscard]] Result<LineCourse> continued(const std::vector<std::int32_t>& targets) const {
     return continued_course(course, axes, targets, units);
   }
 
-  /// @return why the axes cannot go on to `targets`.
+  /// @return the reason for which the axes cannot continue to `targets`.
   [[nodiscard]] std::string refusal(const std::vector<std::int32_t>& targets) const {
     const auto taken = continued(targets);
     return taken ? "taken" : taken.outcome().message();
@@ -47,7 +47,7 @@ TEST_F(MovingLine, GoesOnStopsBeforeItsEndAndTurnsBack) {
   ASSERT_TRUE(further) << further.outcome().message();
   EXPECT_THAT(further->farthest, ElementsAre(18'100, -5'800));
   EXPECT_THAT(further->origin, ElementsAre(100, 200));
-  // The longer of two ways says more of the direction.
+  // The longer of two lines gives the direction more precisely.
   const auto shorter = continued({6'100, -1'800});
   ASSERT_TRUE(shorter) << shorter.outcome().message();
   EXPECT_THAT(shorter->farthest, ElementsAre(9'100, -2'800));
@@ -58,7 +58,7 @@ TEST_F(MovingLine, GoesOnStopsBeforeItsEndAndTurnsBack) {
 }
 
 TEST_F(MovingLine, TakesATargetThatIsRounded) {
-  // 6000 of 9000 UU are -2000 of -3000 UU, and a target may be rounded by one.
+  // 6000 of 9000 UU correspond to -2000 of -3000 UU, and rounding may change a target by one.
   EXPECT_TRUE(continued({6'100, -1'801}));
   EXPECT_THAT(
       refusal({6'100, -1'802}),

@@ -23,7 +23,7 @@ AxisWay way(double distance, const MotionLimits& limits) {
   return {.distance = distance, .limits = limits};
 }
 
-/// The ways of a failing case as an initialiser that can be pasted into a test.
+/// The ways of a failing case as an initialiser to paste into a test.
 std::string ways_text(const std::vector<AxisWay>& ways) {
   std::ostringstream text;
   text << std::setprecision(17) << "const std::vector<AxisWay> ways{";
@@ -37,8 +37,8 @@ std::string ways_text(const std::vector<AxisWay>& ways) {
 }
 
 TEST(LineTimes, OfOneAxisAreItsOwnTrapezoid) {
-  // 1000 UU/s reached in 0.1 s (50 UU) and left in 0.2 s (100 UU), 849.5 UU between them in
-  // 0.8495 s, and the rest of the tick.
+  // 1000 UU/s reached in 0.1 s (50 UU) and left in 0.2 s (100 UU), 849.5 UU in between in 0.8495 s,
+  // rounded up to a tick.
   const std::vector ways{
       way(999.5, {.velocity = 1000, .acceleration = 10'000, .deceleration = 5000})};
   const auto times = plan_line(ways, kPeriod);
@@ -49,7 +49,7 @@ TEST(LineTimes, OfOneAxisAreItsOwnTrapezoid) {
 }
 
 TEST(LineTimes, OfAShortDistanceAreATriangle) {
-  // 99 UU with 10000 UU/s² both ways: 49.5 UU = a·t²/2, t = sqrt(99/1e4) s = 99498.7 us each.
+  // 99 UU with ramps of 10000 UU/s²: 49.5 UU = a·t²/2, t = sqrt(99/1e4) s = 99498.7 us each.
   const std::vector ways{
       way(99, {.velocity = 5000, .acceleration = 10'000, .deceleration = 10'000})};
   const auto times = plan_line(ways, kPeriod);
@@ -60,7 +60,7 @@ TEST(LineTimes, OfAShortDistanceAreATriangle) {
 }
 
 TEST(LineTimes, TakeTheSpeedOfOneAxisAndTheRampOfAnother) {
-  // Along the path: 1000/1000 = 1 /s from the first, 2000/500 = 4 /s² from the second.
+  // Along the path: 1000/1000 = 1 /s from the first axis, 2000/500 = 4 /s² from the second.
   const std::vector ways{way(1000, {.velocity = 1000, .acceleration = 1e9, .deceleration = 1e9}),
                          way(500, {.velocity = 1e9, .acceleration = 2000, .deceleration = 2000})};
   const auto times = plan_line(ways, kPeriod);
@@ -78,8 +78,8 @@ TEST(LineTimes, RoundUpToWholeTicks) {
 }
 
 TEST(LineTimes, GrowByTheJerkTimeOfTheRamps) {
-  // 200000 UU/s³ take 50 ms for the 10000 UU/s² of each ramp, which lasts as much longer; 1000 UU
-  // at 1000 UU/s. The second axis has no limit of its own.
+  // With 200000 UU/s³ the acceleration takes 50 ms to reach 10000 UU/s², and each ramp lasts that
+  // much longer. The way is 1000 UU at 1000 UU/s. The second axis does not limit the path.
   const MotionLimits limits{.velocity = 1000, .acceleration = 10'000, .deceleration = 10'000};
   const std::vector ways{AxisWay{.distance = 1000, .limits = limits, .jerk = {200'000, 200'000}},
                          way(100, {.velocity = 1e6, .acceleration = 1e9, .deceleration = 1e9})};
@@ -93,7 +93,7 @@ TEST(LineTimes, GrowByTheJerkTimeOfTheRamps) {
 }
 
 TEST(LineTimes, OfAShortDistanceFollowFromTheJerkAlone) {
-  // Four times T with 2·J·T³ = 2 UU: T = 0.1 s for 1000 UU/s³.
+  // Four phases of T with 2·J·T³ = 2 UU: T = 0.1 s at 1000 UU/s³.
   const MotionLimits limits{.velocity = 100, .acceleration = 200, .deceleration = 200};
   const std::vector ways{AxisWay{.distance = 2, .limits = limits, .jerk = {1'000, 1'000}}};
   const auto times = plan_line(ways, kPeriod);
@@ -126,7 +126,7 @@ TEST(LineTimes, KeepTheJerkOfEveryAxis) {
   }
 }
 
-/// The limits that a drive takes from times and its way.
+/// @return the limits that a drive derives from the times and its way.
 MotionLimits limits_with(const LineTimes& times, double distance) {
   const auto seconds = [](microseconds time) {
     return static_cast<double>(time.count()) * 1.0e-6;
@@ -138,14 +138,14 @@ MotionLimits limits_with(const LineTimes& times, double distance) {
 }
 
 TEST(LineTimes, OfALineInMotionLeadToTheFullSpeedHoweverShortItIs) {
-  // The ramps to 1000 UU/s and back are 50 + 100 UU: 150/7 = 21.4 ways of 7 UU.
+  // The ramps to 1000 UU/s and back take 50 + 100 UU: 150/7 = 21.4 ways of 7 UU.
   const std::vector ways{way(7, {.velocity = 1000, .acceleration = 10'000, .deceleration = 5000})};
   const auto moving = plan_moving_line(ways);
   ASSERT_TRUE(moving);
   EXPECT_EQ(moving->stretch, 22U);
   EXPECT_EQ(moving->times.acceleration, microseconds{100'000});
   EXPECT_EQ(moving->times.deceleration, microseconds{200'000});
-  // 154 UU at 1000 UU/s, and half of both ramps.
+  // 154 UU at 1000 UU/s, plus half of both ramps.
   EXPECT_NEAR(static_cast<double>(moving->times.duration.count()), 304'000, 2);
   const MotionLimits limits = limits_with(moving->times, 7.0 * moving->stretch);
   EXPECT_NEAR(limits.velocity, 1000, 0.1);
@@ -184,9 +184,10 @@ TEST(LineTimes, OfALineInMotionAreMissingBeyondTheRangeOfTheObject) {
 }
 
 TEST(LineTimes, OfALineInMotionGiveATimeThatCoversAStopAndTheWayBack) {
-  // Ramps of 0.1 s and 0.2 s, 1 /s. At 1 /s with the whole way left: 1 s and half of a ramp of 0.2
-  // s are the time itself. At 1 /s with no way left: 0.2 s for 0.1 of the way, and back with both
-  // ramps by a peak of sqrt(2·0.1·10·5/15) = 0.82 /s in 0.24 s.
+  // Ramps of 0.1 s and 0.2 s, speed 1 /s. At this speed with the complete way left, the time is 1 s
+  // and half of the ramp of 0.2 s. At this speed with no way left, the stop takes 0.2 s and 0.1 of
+  // the way; the way back has both ramps with a peak of sqrt(2·0.1·10·5/15) = 0.82 /s and takes
+  // 0.24 s.
   const LineTimes times{.duration = microseconds{1'150'000},
                         .acceleration = microseconds{100'000},
                         .deceleration = microseconds{200'000}};
@@ -215,8 +216,8 @@ TEST(LineTimes, AreMissingBeyondTheRangeOfTheObject) {
   EXPECT_FALSE(plan_line(std::vector{way(1e9, limits)}, kPeriod));
 }
 
-/// The duration without any rounding, worked out another way: each axis' own rest-to-rest time is a
-/// lower bound, and the shared path with the smallest limits of all is the time itself.
+/// The duration without rounding, derived in another way: along the shared path, with the smallest
+/// limits of all axes.
 double ideal_seconds(const std::vector<AxisWay>& ways) {
   double velocity = 1e300;
   double acceleration = 1e300;
@@ -227,7 +228,7 @@ double ideal_seconds(const std::vector<AxisWay>& ways) {
     acceleration = std::min(acceleration, each.limits.acceleration / each.distance);
     deceleration = std::min(deceleration, each.limits.deceleration / each.distance);
   }
-  // Share of the path that the ramps take at full speed.
+  // The share of the path that the ramps take at full speed.
   const double ramps = velocity * velocity * (0.5 / acceleration + 0.5 / deceleration);
   if (ramps >= 1.0) return std::sqrt(2.0 * (1.0 / acceleration + 1.0 / deceleration));
   return velocity / acceleration + velocity / deceleration + (1.0 - ramps) / velocity;
@@ -264,7 +265,7 @@ TEST(LineTimes, NeverExceedALimitAndLastOneTickLongerThanTheIdealAtMost) {
     ASSERT_EQ(times->duration % period, microseconds{0});
     const double seconds = static_cast<double>(times->duration.count()) * 1e-6;
     const double tick = static_cast<double>(period.count()) * 1e-6;
-    // One tick for the rounding up, another where the last bit of a limit needs it.
+    // One tick for rounding up, another in case a limit needs it in its last bit.
     ASSERT_LE(seconds, ideal + 2.0 * tick + 3e-6) << "run " << run;
     ASSERT_GE(seconds, ideal * (1.0 - 1e-9)) << "run " << run;
   }

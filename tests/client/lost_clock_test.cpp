@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Clocks whose service starts again or freezes, and whose steppers are killed.
+// Clocks whose service restarts or freezes, and whose steppers are killed.
 #include "client/session_options.hpp"
 #include "support/test_domain.hpp"
 #include "tool/process.hpp"
@@ -48,14 +48,14 @@ TEST(StepClock, DetectsARestartAndDoesNotStepTheNewService) {
   EXPECT_EQ(*other.step(2, 0), 0U);
 }
 
-/// Another program that joins the clock of a bench, and then does nothing.
+/// Another program that joins the clock of a bench and then does nothing.
 class IdleStepper {
  public:
   explicit IdleStepper(std::uint32_t bench)
       : process_(VDRIVE_IDLE_STEPPER, {std::to_string(test::test_domain()), std::to_string(bench)}),
         session_(process_.read_line()) {}
 
-  /// Its session as messages write it; empty when it could not join.
+  /// Its session as it appears in messages; empty if it could not join.
   [[nodiscard]] const std::string& session() const { return session_; }
 
   void kill() const { process_.send(SIGKILL); }
@@ -65,7 +65,7 @@ class IdleStepper {
   std::string session_;
 };
 
-// Its participant is lost after its lease of 2 s, which removes it from the clock.
+// Its participant is lost when its lease of 2 s expires; then it is removed from the clock.
 TEST(StepClock, NamesAKilledProgramAndContinuesAfterItsRemovalFromTheClock) {
   const RunningService first("--clock lockstep");
   const RunningService second("--clock lockstep --bench 2");
@@ -83,10 +83,10 @@ TEST(StepClock, NamesAKilledProgramAndContinuesAfterItsRemovalFromTheClock) {
   EXPECT_THAT(*reached, ElementsAre(10, 10));
 }
 
-/// A bench in real time whose tick number jumps over more than a second.
+/// A real-time bench whose tick number jumps by more than a second.
 class JumpingBench : public testing::Test {
  protected:
-  /// Freezes the service until it was silent for a second, then lets it continue.
+  /// Freezes the service until it has been silent for a second, then lets it continue.
   void let_the_tick_jump() {
     service_.freeze();
     const auto end = std::chrono::steady_clock::now() + 20s;
@@ -94,7 +94,7 @@ class JumpingBench : public testing::Test {
     service_.thaw();
   }
 
-  /// @return the numbers that a session shows at once, from the same sample.
+  /// @return the snapshot that a session shows at this moment, all from the same sample.
   [[nodiscard]] AxisSnapshot now(Session& session) {
     return session.axis("1.1").value().status().value();
   }
@@ -103,7 +103,7 @@ class JumpingBench : public testing::Test {
   Session session_{options()};
 
  private:
-  /// A bench that is not present any more is older than that.
+  /// @return the age of the newest sample. It is larger for a bench that is no longer present.
   std::chrono::nanoseconds age_of_samples() {
     const auto benches = session_.present_benches();
     if (!benches.empty()) silent_since_ = std::chrono::steady_clock::now();
@@ -113,7 +113,7 @@ class JumpingBench : public testing::Test {
   std::chrono::steady_clock::time_point silent_since_ = std::chrono::steady_clock::now();
 };
 
-// Each call is given 2 s of drive time, and the number jumps over one of them.
+// Each call is given 2 s of drive time; the number jumps by one of them.
 TEST_F(JumpingBench, UsesUpNoTimeOutOfACallThatWaits) {
   auto follower = session_.follow({{1, 1}}, Pace::observe);
   ASSERT_TRUE(follower);
@@ -160,7 +160,7 @@ TEST_F(JumpingBench, MakesAWaitAsLongAsItsDriveTime) {
   EXPECT_GE(*tick, begin + 2'000U + skipped - 50U);
 }
 
-// A tick number that is awaited is reached by a jump over it.
+// A jump past the awaited tick number counts as reaching it.
 TEST_F(JumpingBench, ReachesATickNumberThatItJumpsOver) {
   const std::uint64_t aim = now(session_).tick + 1'000;
   auto reached = std::async(std::launch::async, [&] {

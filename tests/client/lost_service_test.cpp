@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Calls, moves and reports whose service ends, freezes or starts again.
+// Calls, moves and reports whose service ends, freezes or restarts.
 #include "client/reports.hpp"
 #include "client/session_options.hpp"
 #include "tool/process.hpp"

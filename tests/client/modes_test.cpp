@@ -45,7 +45,7 @@ class Modes : public testing::Test {
   Axis axis_ = *session_.axis("1.1");
 };
 
-// Method 37 takes the present position for home.
+// Method 37 takes the present position as home.
 TEST_F(Modes, HomeReachesTheHomePositionAndSetsItsValue) {
   const Outcome homed = axis_.home({.method = 37, .offset = -500, .call = {}});
   EXPECT_TRUE(homed) << homed.message();
@@ -73,7 +73,7 @@ TEST_F(Modes, HomeFailsAfterAHaltAndASecondHomeIsRefusedMeanwhile) {
   ASSERT_TRUE(axis_.halt());
 }
 
-// Of its own 6099h the drive takes what the limits allow: only what the call gives is refused.
+// Values already in 6099h are limited by the drive; only values given in the call are refused.
 TEST_F(Modes, HomeWithAnUnreachableSpeedIsRefused) {
   ASSERT_TRUE(axis_.write(kSpeedLimit, 5'000));
   const Outcome search = axis_.home({.method = 17, .search_speed = 5'001, .call = {}});
@@ -89,7 +89,7 @@ TEST_F(Modes, HomeWithAnUnreachableSpeedIsRefused) {
   EXPECT_TRUE(axis_.home({.method = 37, .search_speed = 5'000, .creep_speed = 5'000, .call = {}}));
 }
 
-// No switch comes: at 100 UU/s the axis travels 100 UU in the 1 s.
+// There is no switch: at 100 UU/s the axis travels 100 UU in the 1 s.
 TEST_F(Modes, ALateHomingRunSaysThatTheAxisIsStillMoving) {
   const Outcome late =
       axis_.home({.method = 17, .search_speed = 100, .creep_speed = 100, .call = {.timeout = 1s}});
@@ -111,7 +111,7 @@ TEST_F(Modes, ALateVelocitySaysHowFastTheAxisIs) {
   EXPECT_TRUE(axis_.halt());
 }
 
-// 10 per mille a second: 20 of the 100 after 2 s.
+// 10 per mille a second: 20 of 100 after 2 s.
 TEST_F(Modes, ALateTorqueSaysHowMuchIsApplied) {
   const Outcome late = axis_.apply_torque(100, {.slope = 10, .call = {.timeout = 2s}});
   EXPECT_EQ(late.kind(), OutcomeKind::timed_out);
@@ -145,7 +145,8 @@ TEST_F(Modes, RunAtAnUnreachableVelocityIsRefused) {
   EXPECT_EQ(axis_.run_at(100).code(), kRefusedInState);
 }
 
-// Of its own 6081h the drive takes what 607Fh allows: only what the call gives is refused.
+// A value already in 6081h is limited by the drive to 607Fh; only a value given in the call is
+// refused.
 TEST_F(Modes, AMoveWithAnUnreachableVelocityIsRefusedAsWell) {
   ASSERT_TRUE(axis_.write(kSpeedLimit, 5'000));
   const Outcome refused = axis_.move_to(100, {.velocity = 5'001});
@@ -156,7 +157,7 @@ TEST_F(Modes, AMoveWithAnUnreachableVelocityIsRefusedAsWell) {
   EXPECT_EQ(now().mode(), OperatingMode::none) << "nothing was changed";
   EXPECT_TRUE(axis_.move_to(100, {.velocity = 5'000}));
   ASSERT_TRUE(axis_.disable());
-  ASSERT_TRUE(axis_.enable());  // 607Fh acts from here on
+  ASSERT_TRUE(axis_.enable());  // 607Fh takes effect here
   EXPECT_TRUE(axis_.move_to(0)) << "6081h = 68267 is cut to 607Fh, as in the manual";
 }
 
@@ -176,7 +177,7 @@ TEST_F(Modes, RunAtAboveTheSpeedOfTheMotorIsRefused) {
   EXPECT_TRUE(axis_.run_at(-4'096));
 }
 
-// 607Fh acts from the next enabling on. 5000 UU/s are reached within 13 ms.
+// 607Fh takes effect at the next enabling. 5000 UU/s are reached within 13 ms.
 TEST_F(Modes, RunAtReportsTheSpeedLimitThatWasLatchedAtEnabling) {
   ASSERT_TRUE(axis_.disable());
   ASSERT_TRUE(axis_.write(kSpeedLimit, 5'000));
@@ -191,7 +192,7 @@ TEST_F(Modes, RunAtReportsTheSpeedLimitThatWasLatchedAtEnabling) {
   EXPECT_LT(now().tick, start + 200);
 }
 
-// At 40 UU/s² the demand shows a new whole number each 25 ms; 606Dh = 100 is reached after 500 ms.
+// At 40 UU/s² the demand reaches a new integer every 25 ms; 606Dh = 100 is reached after 500 ms.
 TEST_F(Modes, RunAtWaitsForASlowRamp) {
   const Outcome reached = axis_.run_at(120, {.acceleration = 40, .call = {}});
   EXPECT_TRUE(reached) << reached.message();
@@ -224,7 +225,7 @@ TEST_F(Modes, ApplyTorqueAboveALimitIsRefused) {
   EXPECT_TRUE(axis_.apply_torque(20)) << "the limit itself can be applied";
 }
 
-// With half the rated current 60E0h = 40 ‰ of it give 20 ‰ of the rated torque.
+// At half the rated current, 60E0h = 40 ‰ of it gives 20 ‰ of the rated torque.
 TEST_F(Modes, ApplyTorqueReportsALimitThatClampsTheTorque) {
   ASSERT_TRUE(axis_.write(kRatedCurrent, 2'500));
   ASSERT_TRUE(axis_.write(kPositiveTorqueLimit, 40));
@@ -251,7 +252,7 @@ TEST_F(Modes, ApplyTorqueReachesTheTorque) {
   EXPECT_EQ(value_of(kTorqueDemand), 0);
 }
 
-// At 10000 UU/s for 100 ms the axis covers some 1000 UU, and brakes from there.
+// At 10000 UU/s for 100 ms the axis travels some 1000 UU and brakes from there.
 TEST_F(Modes, JogRunsWhileItIsHeldAndThenStops) {
   std::uint64_t first = 0;
   std::int32_t fastest = 0;
@@ -279,15 +280,15 @@ TEST_F(Modes, JogStopsAfterAnInterrupt) {
   EXPECT_EQ(status->status.velocity_demand_value, 0);
 }
 
-// Another program takes the axis over and ends, which gives it back. Free, the axis has no
-// watchdog, and the last command of the jog has an epoch that is over.
+// Another program takes over the axis and ends, which releases the axis. A free axis has no
+// watchdog, and the epoch of the jog's last command is no longer valid.
 TEST_F(Modes, JogWhoseLastCommandIsRefusedStopsItsAxisByAQuickStop) {
   const Outcome jogged = axis_.jog(10'000, [&](const AxisSnapshot& axis) {
     if (axis.status.velocity_demand_value == 10'000) {
       Session other(options_on_wire());
       EXPECT_TRUE(other.axis("1.1").value().take_over());
     }
-    return true;  // nobody lets go
+    return true;  // the button is never released
   });
   EXPECT_EQ(jogged.kind(), OutcomeKind::refused);
   EXPECT_THAT(jogged.message(), HasSubstr("a quick stop has ended the jog: bench 1 refused"));
@@ -296,7 +297,7 @@ TEST_F(Modes, JogWhoseLastCommandIsRefusedStopsItsAxisByAQuickStop) {
   EXPECT_EQ(now().state(), PowerState::switch_on_disabled);
 }
 
-// A program that takes an axis over and ends without a command leaves it running, too.
+// A program that takes over an axis and sends no command would also leave it running.
 TEST_F(Modes, JogStopsAnAxisThatAnotherSessionHasTakenAndNotCommanded) {
   Session other(options_on_wire());
   const Outcome jogged = axis_.jog(10'000, [&](const AxisSnapshot& axis) {
@@ -338,10 +339,10 @@ TEST_F(Modes, JogWhoseProgramThrowsStopsItsAxis) {
   EXPECT_EQ(value_of(kTargetVelocity), 0);
 }
 
-/// What becomes of axis 1.1 after the end of a program, which may have set it into motion.
+/// The state of axis 1.1 after the end of a program that may have set it in motion.
 class EndOfAProgram : public testing::Test {
  protected:
-  /// A program of its own, whose axis is enabled.
+  /// Runs `call` with an enabled axis in a session that ends afterwards. @return the session.
   template <typename Call>
   std::uint64_t run(const Call& call) {
     Session session(options_on_wire());
@@ -353,7 +354,7 @@ class EndOfAProgram : public testing::Test {
 
   [[nodiscard]] AxisSnapshot now() { return axis_.status().value(); }
 
-  /// The watchdog of 500 ms acts, and the axis stops.
+  /// Expects the watchdog of 500 ms to act and the axis to stop.
   void expect_stop_by_the_watchdog(std::uint64_t owner) {
     EXPECT_EQ(now().owner_session, owner) << "free and running nobody would ever stop it";
     ASSERT_TRUE(watcher_.step(1, 600));
@@ -415,7 +416,7 @@ TEST_F(EndOfAProgram, LeavesAnAxisThatRunsBySetPointsToTheWatchdog) {
   expect_stop_by_the_watchdog(program);
 }
 
-// 6042h has no member of its own in a set-point. 60 rpm are 4096 UU/s: 4096 units a revolution.
+// 6042h is not a member of a set-point. 60 rpm are 4096 UU/s, at 4096 UU a revolution.
 TEST_F(EndOfAProgram, LeavesAnAxisThatRunsByAnObjectOfASetPointToTheWatchdog) {
   const std::uint64_t program = run([](Session& session, Axis& axis) {
     const SetPointFrame frame{.axes = {{.axis = 1,
@@ -468,7 +469,7 @@ TEST_F(EndOfAProgram, GivesAnAxisBackWhoseVelocityWasRefused) {
   EXPECT_EQ(now().state(), PowerState::operation_enabled);
 }
 
-// Which is what the call is for: "the axis runs on, also after the call".
+// This is what the call promises: "the axis runs on, also after the call".
 TEST_F(EndOfAProgram, GivesAnAxisBackThatHasReachedTheVelocityItWasToKeep) {
   (void)run([](Session& /*session*/, Axis& axis) {
     EXPECT_TRUE(axis.run_at(5'000));
@@ -490,8 +491,8 @@ TEST_F(Modes, JogEndsWithTheFaultThatStopsTheAxis) {
   EXPECT_LT(ticks, 100);
 }
 
-// 10 positions, 7 UU apart: the demand follows each of them in its tick, also after a master that
-// had 60C2h at 20 ms.
+// 10 positions, 7 UU apart. The demand follows each in its tick, even after a master that had 60C2h
+// at 20 ms.
 TEST_F(Modes, AGroupOfOneStreamsAnAxis) {
   ASSERT_TRUE(axis_.write({0x60C2, 1}, 20));
   auto group = AxisGroup::create(session_, std::vector<Axis>{axis_});
@@ -505,7 +506,7 @@ TEST_F(Modes, AGroupOfOneStreamsAnAxis) {
   EXPECT_TRUE(group->stop_streaming());
 }
 
-// 606Bh is the velocity at the end of the tick; an offset of another master does not count.
+// 606Bh is the velocity at the end of the tick; another master's offset has no effect.
 TEST_F(Modes, AGroupOfOneStreamsVelocities) {
   ASSERT_TRUE(axis_.write({0x60B1, 0}, 500));
   auto group = AxisGroup::create(session_, std::vector<Axis>{axis_});
@@ -524,7 +525,7 @@ TEST_F(Modes, AGroupOfOneStreamsVelocities) {
   EXPECT_EQ(now().status.velocity_demand_value, 0);
 }
 
-// 6074h is the command of the last of 8 servo cycles: one step of an eighth before the end.
+// 6074h is the command of the last of 8 servo cycles, an eighth of a step before the end.
 TEST_F(Modes, AGroupOfOneStreamsTorques) {
   auto group = AxisGroup::create(session_, std::vector<Axis>{axis_});
   ASSERT_TRUE(group);
@@ -624,7 +625,7 @@ TEST_F(CommandEach, TakesTheSameTicksForManyAxesAsForOne) {
   for (const Axis& axis : axes_) EXPECT_EQ(axis.status()->state(), PowerState::switch_on_disabled);
 }
 
-// Enabled without a mode, as after power-on: bit 10 shows no target, and the axis stands.
+// Enabled without a mode, as after power-on: bit 10 shows no target, and the axis is at rest.
 TEST_F(CommandEach, HaltsAndResumesAxesWithoutAModeAtOnce) {
   command(EachCommand::enable);
   ASSERT_EQ(axes_.front().status()->mode(), OperatingMode::none);
@@ -638,7 +639,7 @@ TEST_F(CommandEach, HaltsAndResumesAxesWithoutAModeAtOnce) {
   EXPECT_LT(tick(), start + 20);
 }
 
-// The second has a fault, the third belongs to another session.
+// The second axis has a fault, the third belongs to another session.
 TEST_F(CommandEach, GivesEveryAxisAnOutcomeOfItsOwn) {
   ASSERT_TRUE(axes_[1].disturb(Disturbance::over_current));
   ASSERT_TRUE(session_.step(1, 2));
@@ -661,7 +662,8 @@ TEST_F(CommandEach, GivesEveryAxisAnOutcomeOfItsOwn) {
   EXPECT_TRUE(halts[2]) << "stopping is always possible: " << halts[2].message();
 }
 
-// A frame has 256 axes. The second frame has an axis of another session, the third one in a fault.
+// A frame has up to 256 axes. The second frame has an axis of another session, the third one has an
+// axis with a fault.
 TEST(CommandEachOfSixHundredAxes, TakesOneTickAndLeavesOutWhatRefuses) {
   const test::BenchOnWire bench("--clock lockstep --axes 600");
   Session session(options_on_wire());
@@ -685,7 +687,7 @@ TEST(CommandEachOfSixHundredAxes, TakesOneTickAndLeavesOutWhatRefuses) {
   }
 }
 
-// At 2048 UU/s and 100 UU/s² the quick stop would take 20 s: all of them share one time-out.
+// At 2048 UU/s and 100 UU/s² the quick stop would take 20 s; all axes share one time-out.
 TEST_F(CommandEach, HasOneTimeOutForAll) {
   constexpr ObjectAddress kQuickStopRamp{0x6085, 0};
   command(EachCommand::enable);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// One motion, one success: what ends a Motion, and a call that waits, as failed.
+// What makes a Motion, or a call that waits, fail; of competing motions one succeeds.
 #include "client/objects.hpp"
 #include "support/bench_on_wire.hpp"
 #include "vdrive/client/axis.hpp"
@@ -28,12 +28,12 @@ using test::options_on_wire;
 using testing::AllOf;
 using testing::HasSubstr;
 
-constexpr std::int32_t kFar = 50'000;  // in 2.5 s at the speed of kSlow
+constexpr std::int32_t kFar = 50'000;  // takes 2.5 s at the speed of kSlow
 constexpr CallOptions kInForce{.until = Until::in_force};
 const MoveOptions kSlow{.velocity = 20'000};
 const MoveOptions kQueued{.velocity = 20'000, .queue = true};
 
-/// Two axes in lock-step, the first of which may be commanded by two sessions.
+/// Two axes in lock-step; two sessions may command the first.
 class MotionOfAnAxis : public testing::Test {
  protected:
   void SetUp() override {
@@ -41,7 +41,7 @@ class MotionOfAnAxis : public testing::Test {
     ASSERT_TRUE(second_.enable());
   }
 
-  /// A move to kFar on its way.
+  /// Starts a move to kFar.
   Motion moving() {
     auto motion = axis_.start_move(kFar, kSlow).value();
     session_.step(1, 100).outcome().or_throw();
@@ -64,11 +64,11 @@ class MotionOfAnAxis : public testing::Test {
   Axis others_ = other_.axis("1.1").value();
 };
 
-/// Something that this session or another one does while an axis moves.
+/// An action of this session or another one while an axis moves.
 struct Deed {
   std::string name;
   void (*run)(Session& session, Axis& axis, Axis& others);
-  std::string cause{};  ///< in the message of the motion; empty = the motion goes on
+  std::string cause{};  ///< in the message of the motion; empty = the motion continues
 };
 
 std::ostream& operator<<(std::ostream& out, const Deed& deed) {
@@ -272,7 +272,7 @@ const std::vector<Deed> kDeeds{
        others.halt().or_throw();
      },
      "was halted"},
-    // ---- what changes nothing of it
+    // ---- what does not affect it
     {"ARead",
      [](Session&, Axis& axis, Axis&) {
        axis.read(kTarget).outcome().or_throw();
@@ -318,7 +318,7 @@ const std::vector<Deed> kDeeds{
      }},
     {"AModeThatTheDriveRefuses",
      [](Session& session, Axis& axis, Axis&) {
-       write(axis, {0x5E20, 5}, 2);  // no 6060h in Operation enabled
+       write(axis, {0x5E20, 5}, 2);  // no 6060h while in Operation enabled
        const std::array frames{
            frame_of({.axis = 1, .mode = OperatingMode::homing, .position = kFar})};
        session.send_set_points(1, frames).or_throw();
@@ -347,7 +347,8 @@ TEST_P(OneMotion, EndsByWhatComesAfterItAndSaysByWhat) {
   const Motion motion = moving();
   deed.run(session_, axis_, others_);
   const bool is_taken = deed.cause.find("taken the axis") != std::string::npos;
-  // Each deed is over by then. A master that is silent for as long as that loses its axis.
+  // By then everything that the deed has started is over. A master that is silent for that long
+  // loses its axis.
   session_.step(1, is_taken ? 50 : 5'000).outcome().or_throw();
   const auto ended = motion.has_ended();
   const Outcome waited = motion.wait();
@@ -367,7 +368,7 @@ INSTANTIATE_TEST_SUITE_P(Deeds, OneMotion, testing::ValuesIn(kDeeds), [](const a
   return row.param.name;
 });
 
-/// A call that waits in another thread while the deed is done.
+/// A call that waits in another thread while a new move starts.
 struct Waiting {
   std::string name;
   Outcome (*run)(Axis& axis);
@@ -410,7 +411,7 @@ TEST_F(MotionOfAnAxis, ACallThatWaitsEndsByTheCommandOfAnotherThread) {
       Axis axis = axis_;
       return call.run(axis);
     });
-    // The other thread lets time pass: this one only looks.
+    // Only the other thread lets time pass; this one just observes.
     while (axis_.status()->status.velocity_demand_value == 0 &&
            waiting.wait_for(0s) != std::future_status::ready) {
       std::this_thread::yield();
@@ -514,7 +515,7 @@ TEST_F(MotionOfAnAxis, TwoThreadsThatMoveItHaveOneSuccess) {
   }
 }
 
-// A drive has room for one set-point after the present one.
+// A drive has room for one set-point besides the present one.
 TEST_F(MotionOfAnAxis, GoesOnWhereALaterSetPointIsIgnored) {
   ASSERT_TRUE(axis_.start_move(20'000, kSlow));
   const auto motion = axis_.start_move(1'000, kQueued);
@@ -537,7 +538,7 @@ TEST_F(MotionOfAnAxis, FailsWhereASoftwareLimitHasCutItOff) {
   EXPECT_FALSE(motion->has_ended());
 }
 
-// 607Bh from 0 to below 36000: 40000 is the place of 4000.
+// 607Bh is 0 to below 36000, so 40000 is the same position as 4000.
 TEST_F(MotionOfAnAxis, OfAModuloAxisEndsAtItsPlace) {
   write({0x607B, 1}, 0);
   write({0x607B, 2}, 36'000);

@@ -20,7 +20,7 @@ using test::options_on_wire;
 using testing::AllOf;
 using testing::HasSubstr;
 
-// 68267 UU/s and 409600 UU/s², as the manual's table has them.
+// 68267 UU/s and 409600 UU/s², as in the table of the manual.
 constexpr std::int64_t kDefaultVelocity = 68'267;
 constexpr std::int64_t kDefaultRamp = 409'600;
 
@@ -120,7 +120,8 @@ TEST_F(Move, WithoutWaitingKeepsItsSpeedAndLeavesItsRampsInTheDrive) {
       },
       5s);
   ASSERT_TRUE(reached);
-  // 6062h rounds to the target 10 ms before the end: the last half unit at 10000 UU/s².
+  // 6062h rounds to the target 10 ms before the end, because the last half unit takes that long at
+  // 10000 UU/s².
   EXPECT_GE(reached->tick, start + 1'085) << "6081h was latched";
 }
 
@@ -164,7 +165,7 @@ TEST_F(Move, ToASoftwareLimitIsNotClamped) {
   EXPECT_TRUE(axis_.move_by(-300));
 }
 
-// 60F2h: 0 from the last target, 1 from the demand.
+// 60F2h: 0 = relative to the last target, 1 = relative to the demand.
 TEST_F(Move, ByADistanceIsComparedWithLimitsFromItsBase) {
   write(kUpperLimit, 1000);
   write(kLimitSwitch, 1);
@@ -191,7 +192,7 @@ TEST_F(Move, IntoALimitSwitchIsReportedAtOnceAndRestoresSpeedAndRamps) {
   EXPECT_THAT(axis_.move_by(600).message(), HasSubstr("has ended the move to 100"));
 }
 
-// After 100 ms at the default ramp the axis is at 40960 UU/s, some 2000 UU on its way.
+// After 100 ms at the default ramp the axis moves at 40960 UU/s and has travelled some 2000 UU.
 TEST_F(Move, EndsAtALimitSwitchThatItReaches) {
   const auto motion = axis_.start_move(-1'000'000);
   ASSERT_TRUE(motion) << motion.outcome().message();

@@ -26,8 +26,8 @@ TEST(LeavingMaster, CausesNoReactionAfterItReleasedItsAxis) {
     Session leaving(options_on_wire());
     Axis axis = *leaving.axis("1.1");
     ASSERT_TRUE(axis.enable());
-  }                                       // the end of a session releases what it has
-  ASSERT_TRUE(observer.wait(1, 1500ms));  // three times the watchdog's patience
+  }                                       // the end of a session releases its axes
+  ASSERT_TRUE(observer.wait(1, 1500ms));  // three times the watchdog's time-out
   const auto status = seen.status();
   EXPECT_EQ(status->state(), PowerState::operation_enabled);
   EXPECT_EQ(status->status.error_code, 0);

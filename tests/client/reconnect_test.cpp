@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Sessions whose bench loses its network part and gets another one, in the same run: the real
-// engine behind a wire that the test removes.
+// Sessions whose bench loses its wire and gets another one in the same run. The engine is real; the
+// test removes its wire.
 #include "bench_messages.hpp"
 #include "client/objects.hpp"
 #include "client/session_options.hpp"
@@ -45,7 +45,7 @@ constexpr std::uint32_t kBench = 1;
 constexpr std::uint64_t kIncarnation = 1'000;
 constexpr auto kDeadline = 20s;
 
-/// The DDS part of a bench. It can lose arriving or leaving messages.
+/// The DDS part of a bench. It can lose incoming and outgoing messages.
 class Wire {
  public:
   explicit Wire(test::LocalInbox& inbox)
@@ -66,7 +66,7 @@ class Wire {
 
   void announce(const msg::BenchDescription& description) { (void)description_.write(description); }
 
-  /// Writes the messages of the engine for its clients.
+  /// Sends the messages of the engine to its clients.
   void deliver(service::Outbox& outbox) {
     for (; auto* const outgoing = outbox.replies.front(); outbox.replies.pop()) {
       if (!is_taken()) continue;
@@ -94,8 +94,8 @@ class Wire {
 
   void publish(const msg::BenchState& state) { (void)state_.write(state); }
 
-  std::atomic<int> to_lose_in{0};   ///< so many requests and commands more do not arrive
-  std::atomic<int> to_lose_out{0};  ///< so many answers more do not leave
+  std::atomic<int> to_lose_in{0};   ///< further requests and commands to lose
+  std::atomic<int> to_lose_out{0};  ///< further answers to lose
   std::atomic<int> lost{0};
 
  private:
@@ -125,11 +125,11 @@ service::Configuration configuration(service::ClockMode clock) {
   configuration.bench = kBench;
   configuration.clock = clock;
   configuration.axes = service::default_axes(2);
-  configuration.watchdog = 5s;  // longer than any wire is away
+  configuration.watchdog = 5s;  // longer than any loss of a wire here
   return configuration;
 }
 
-/// An engine that runs once a millisecond, and its wire.
+/// An engine that runs once a millisecond, with its wire.
 class Bench {
  public:
   explicit Bench(service::ClockMode clock)
@@ -161,7 +161,7 @@ class Bench {
 
   void lose_out(int count) { lose(&Wire::to_lose_out, count); }
 
-  /// @return whether so many messages were lost in time.
+  /// @return whether that many messages were lost before the deadline.
   bool await_lost(int count) {
     return await([&] {
       return wire_->lost >= count;
@@ -345,7 +345,7 @@ TEST(Reconnect, AGroupMoveContinuesToItsEnd) {
   ASSERT_TRUE(group) << group.outcome().message();
   const Outcome enabled = group->enable_all();
   ASSERT_TRUE(enabled) << enabled.message();
-  // At 2,000 UU/s the farther axis takes 4 s and its ramps.
+  // At 2,000 UU/s the farther axis takes 4 s plus its ramps.
   for (const std::string& name : names) {
     ASSERT_TRUE(sut.axis(name)->write({0x6081, 0}, 2'000));
   }
@@ -384,12 +384,12 @@ TEST(Reconnect, AFollowerContinuesAndReportsTheGap) {
   EXPECT_GE(missed, 200U);
 }
 
-/// What on_status() reports.
+/// Collects the reports of on_status().
 struct SeenReports {
   std::mutex mutex;
   std::condition_variable changed;
   std::uint64_t newest = 0;   ///< tick
-  std::uint64_t skipped = 0;  ///< most ticks that two reports next to each other are apart
+  std::uint64_t skipped = 0;  ///< most ticks between two consecutive reports
   std::string end;            ///< why the reports ended
 
   void on_report(const Observation& seen) {
@@ -424,7 +424,7 @@ Outcome report_to(SeenReports& reports, Session& session) {
       });
 }
 
-// A wire that hangs is replaced after 2 s and more, which is longer than the silence of a call.
+// A wire that hangs is replaced after more than 2 s, which is longer than a call tolerates silence.
 TEST(Reconnect, WhatFollowsABenchContinuesWhereACallIsLost) {
   Bench bench(service::ClockMode::realtime);
   SeenReports reports;
@@ -497,7 +497,7 @@ TEST(Reconnect, ASilenceBeyondThePatienceEndsWhatFollowsABenchWithItsReason) {
   EXPECT_THAT(reports.end, reason);
 }
 
-// Which of its threads runs first afterwards is by chance: the one that waits, or the one that
+// It is a matter of chance which thread runs first afterwards: the one that waits or the one that
 // receives.
 TEST(Reconnect, APauseOfTheProgramItselfIsNoSilenceOfTheBench) {
   const test::RunningService service("--axes 1");
@@ -530,7 +530,8 @@ TEST(Reconnect, APauseOfTheProgramItselfIsNoSilenceOfTheBench) {
   EXPECT_TRUE(axis->status());
 }
 
-// A silence of a second is survived: the wire is away for 700 ms and has to be found.
+// The wire is away for 700 ms and must be discovered again, which the limit of a second of silence
+// allows.
 TEST(Reconnect, ACallSurvivesASecondOfSilence) {
   Bench bench(service::ClockMode::realtime);
   Session sut(options());
@@ -547,7 +548,8 @@ TEST(Reconnect, ACallSurvivesASecondOfSilence) {
   EXPECT_EQ(written.get(), "");
 }
 
-// A killed participant sends no departure: it stays matched until its lease ends, without a reader.
+// A killed participant does not announce its end: it stays matched until its lease expires, but has
+// no reader.
 TEST(Reconnect, ResendsARequestAfterTheNetworkProcessWasKilled) {
   const auto wire = [](const char* answer) {
     return std::make_unique<test::Process>(

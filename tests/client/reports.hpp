@@ -22,7 +22,7 @@ struct Reports {
     return seen.size();
   }
 
-  /// @return whether that many arrive within 20 s.
+  /// @return whether that many reports arrive within 20 s.
   bool wait_for(std::size_t many) {
     const auto deadline = std::chrono::steady_clock::now() + std::chrono::seconds(20);
     while (count() < many && std::chrono::steady_clock::now() < deadline) std::this_thread::yield();

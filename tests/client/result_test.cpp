@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Results of calls and settings of the environment, with the umbrella header only.
+// Results of calls and settings of the environment, using the umbrella header only.
 #include "vdrive/client.hpp"
 
 #include <gmock/gmock.h>
@@ -29,7 +29,7 @@ using ValueOf = decltype(std::declval<Kept>().value());
 template <typename Kept>
 using DereferenceOf = decltype(*std::declval<Kept>());
 
-// A result that is kept lends its value; of one that nobody keeps the value is the caller's.
+// A named result lends its value; the value of a temporary is moved to the caller.
 static_assert(std::is_same_v<ValueOf<Names&>, std::vector<std::string>&>);
 static_assert(std::is_same_v<ValueOf<const Names&>, const std::vector<std::string>&>);
 static_assert(std::is_same_v<ValueOf<Names>, std::vector<std::string>>);
@@ -39,13 +39,13 @@ static_assert(std::is_same_v<DereferenceOf<const Names&>, const std::vector<std:
 static_assert(std::is_same_v<DereferenceOf<Names>, std::vector<std::string>>);
 static_assert(std::is_same_v<DereferenceOf<const Names>, std::vector<std::string>>);
 
-// Longer than what a string keeps in itself.
+// Too long for the small buffer of a string.
 Names names() {
   return std::vector<std::string>{"the axis that lifts the gantry",
                                   "the axis that turns the table"};
 }
 
-// The address sanitizer sees a range that has ended.
+// The address sanitizer would report a dangling range.
 TEST(Result, ThatNobodyKeepsIsTheRangeOfALoop) {
   std::string joined;
   for (const std::string& name : names().value()) joined += name + ";";
@@ -109,7 +109,7 @@ TEST(ResultDeathTest, DereferencingAFailureEndsTheProgramWithItsMessage) {
   EXPECT_DEATH((void)constant->size(), "no axis 1\\.7");
 }
 
-/// VDRIVE_DOMAIN for the length of a test.
+/// Restores VDRIVE_DOMAIN after a test.
 class DefaultDomain : public testing::Test {
  protected:
   DefaultDomain() {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// When a search for benches ends, and what it says. Time is an argument.
+// When a search for benches ends, and its message. Time is an argument.
 #include "presence/search.hpp"
 
 #include <gtest/gtest.h>

@@ -23,7 +23,7 @@ class ServiceWatchTest : public testing::Test {
     directory_.on_description(message, kSource, kStart);
   }
 
-  /// The changes at `now`, each as its kind.
+  /// @return the kinds of the changes at `now`.
   std::vector<ServiceNews> news(std::chrono::milliseconds now) {
     std::vector<ServiceNews> changes;
     for (const ServiceChange& change : sut_.changes(directory_, kStart + now)) {
@@ -53,7 +53,7 @@ TEST_F(ServiceWatchTest, ReportsSilenceWithin100MillisecondsWhileTheBenchTicks) 
   EXPECT_THAT(news(500ms), IsEmpty()) << "reported once";
 }
 
-// A sample may still arrive from the socket before the bench has found this program again.
+// A sample may still arrive from the socket before the bench has discovered this program again.
 TEST_F(ServiceWatchTest, AllowsABenchTheTimeToFindThisProgramAgain) {
   describe(10, msg::ClockMode::realtime);
   directory_.on_state(state(1, 10), kStart);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Who stands in the way of a call: the program, not the number of its session.
+// A message about a blocked call names the program, not its session number.
 #include "support/bench_on_wire.hpp"
 #include "vdrive/client/axis.hpp"
 #include "vdrive/client/axis_group.hpp"
@@ -37,14 +37,14 @@ SessionOptions called(const std::string& program) {
   return options;
 }
 
-/// @return how this process names itself.
+/// @return this process as a session names it, with `program` as its program.
 SessionName name_here(const std::string& program) {
   std::array<char, 256> host{};
   EXPECT_EQ(gethostname(host.data(), host.size() - 1), 0);
   return {.program = program, .process = static_cast<std::uint32_t>(getpid()), .host = host.data()};
 }
 
-/// @return how a message ends because of a session.
+/// @return the end of a message about an axis that `session` controls.
 std::string controlled_by(const std::string& program, const Session& session) {
   const SessionName name = name_here(program);
   return "axis 1.1 is controlled by " + program + " (process " + std::to_string(name.process) +
@@ -86,7 +86,7 @@ TEST_F(NamedSessions, EveryKindOfRefusalHasTheName) {
   EXPECT_THAT(group.enable_all().message(), EndsWith(": " + owner));
 }
 
-// In the middle of a call the axis goes to another session: the next frame has an old epoch.
+// During a call the axis is taken over by another session, so the next frame has an old epoch.
 TEST_F(NamedSessions, ARobbedProgramReadsWhoHasTakenItsAxis) {
   ASSERT_TRUE(of_alpha_.enable());
   const Outcome jogged = of_alpha_.jog(10'000, [this](const AxisSnapshot& axis) {
@@ -134,7 +134,7 @@ TEST_F(NamedSessions, ANameIsShownWithoutControlCharactersAndInvalidUtf8) {
   EXPECT_EQ(refused.owner()->name->program, "a\\n\\x1B[2J\\xFF");
 }
 
-// The IDL has 64 bytes; what is longer is cut.
+// The IDL allows 64 bytes; a longer name is truncated.
 TEST_F(NamedSessions, AnEndlessNameIsCut) {
   Session endless(called(std::string(1'000, 'n')));
   ASSERT_TRUE(endless.axis("1.2").value().acquire());
@@ -151,7 +151,7 @@ TEST_F(NamedSessions, AreKnownFromTheFirstAxisOn) {
   EXPECT_EQ(beta_.find_name(7, alpha_.id()), std::nullopt) << "it has no axis of that bench";
 }
 
-// As a command of the tool that takes an axis from others.
+// Like commands of the tool that take over an axis.
 TEST_F(NamedSessions, OfAProgramThatEndedAtOnceStayKnown) {
   constexpr int kPrograms = 20;
   for (int i = 0; i < kPrograms; ++i) {

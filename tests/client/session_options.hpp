@@ -9,8 +9,8 @@
 
 namespace vdrive::test {
 
-/// @return a session on the domain of this test, which waits long enough for a service on a busy
-///         machine: such a machine lets a service start late, and stand still for seconds.
+/// @return options of a session on the domain of this test. It waits long enough for a busy
+///         machine, where services start late and may stall for seconds.
 inline client::SessionOptions options() {
   client::SessionOptions options;
   options.domain = test_domain();
@@ -19,14 +19,14 @@ inline client::SessionOptions options() {
   return options;
 }
 
-/// @return the same for a test whose service ends, with the usual time until it is called lost.
+/// @return the same for a test whose service ends, with the usual time before a loss is reported.
 inline client::SessionOptions options_of_a_loss() {
   client::SessionOptions options = test::options();
   options.silence = client::SessionOptions().silence;
   return options;
 }
 
-/// @return the arguments of a service whose axes wait long for a silent owner: in lock-step while
+/// @return the arguments of a service that tolerates a long silence of an owner: in lock-step while
 ///         others step, in real time on a busy machine.
 inline std::string patient(const std::string& arguments) {
   return "--config " VDRIVE_SOURCE_DIR "/tests/data/patient.yaml " + arguments;

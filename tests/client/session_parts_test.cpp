@@ -44,7 +44,7 @@ TEST(Wakeup, MissesNoChangeBetweenTheConditionAndTheWait) {
   EXPECT_TRUE(is_woken(sut, changes));
 }
 
-// Many rounds: in some of them the change comes during the wait.
+// Many rounds, so that in some the change arrives during the wait.
 TEST(Wakeup, WakesACallInAnotherThread) {
   constexpr int kRounds = 200;
   Wakeup sut;
@@ -70,7 +70,7 @@ TEST(Wakeup, WakesACallInAnotherThread) {
 TEST(Wakeup, WorksUntilSomethingHasChangedAndTellsWhetherItWorked) {
   constexpr std::uint32_t kWorked = 3;
   Wakeup sut;
-  EXPECT_FALSE(sut.work(sut.changes(), kWorked));  // there is no work
+  EXPECT_FALSE(sut.work(sut.changes(), kWorked));  // no work
   int left = 5;
   sut.work_with([&](std::uint32_t bench) {
     EXPECT_EQ(bench, kWorked);
@@ -226,7 +226,7 @@ TEST(Holdings, PutSessionRunAndEpochIntoAFrame) {
 
 TEST(Holdings, LoseControlOnlyByARefusedFrameOfThePresentEpoch) {
   Holdings sut(99);
-  (void)sut.next_frame(kBench);  // 1: of the epoch before
+  (void)sut.next_frame(kBench);  // 1: of the previous epoch
   sut.note_acquired(kBench, kAxes, 5, true);
   (void)sut.next_frame(kBench);  // 2
   sut.note_answer(refusal(kBench, 1, msg::Reason::stale_epoch));
@@ -251,7 +251,7 @@ TEST(Holdings, NeedKeepAlivesForHeldAxesUnderAWallClock) {
   EXPECT_THAT(sut.drop_all(), IsEmpty());
 }
 
-/// What an axis of kBench shows that runs at a velocity, or stands.
+/// @return a snapshot of an axis of kBench that runs at `velocity`, or rests.
 AxisSnapshot running_axis(std::uint16_t axis, std::uint64_t tick, std::int32_t velocity,
                           std::uint64_t last_sequence) {
   constexpr std::uint16_t kEnabledAndReached = 0x0637;

@@ -1,5 +1,4 @@
 // SPDX-License-Identifier: Apache-2.0
-// Session and Axis.
 #include "vdrive/client/session.hpp"
 
 #include "client/objects.hpp"
@@ -67,7 +66,7 @@ TEST_F(LockStep, ArrivesInTheTickThatTheProfileGives) {
   const auto status = axis_->status();
   EXPECT_EQ(status->status.position_demand_value, 10'000);
   EXPECT_EQ(status->status.ds402_statusword, 0x637);
-  // 10.16667 s of profile, and the tick in which bit 4 drops.
+  // The profile takes 10.16667 s; bit 4 drops in one more tick.
   EXPECT_EQ(status->tick, enabled + 1 + 10'167 + 1);
 }
 
@@ -210,7 +209,8 @@ TEST_F(LockStep, SendsSetPointsWithAnyObjects) {
   EXPECT_EQ(axis_->read(ObjectAddress{0x6083, 0}).value(), 54'321);
 }
 
-// In lock-step a bench takes what arrived when somebody waits for it: its queue has 1,024 places.
+// In lock-step a bench handles arrived messages only when somebody waits for it; its queue has
+// 1,024 places.
 TEST_F(LockStep, LosesNoSetPointOfMoreThanItsQueueTakes) {
   constexpr std::int64_t kFrames = 3'000;
   ASSERT_TRUE(axis_->enable());
@@ -225,7 +225,7 @@ TEST_F(LockStep, LosesNoSetPointOfMoreThanItsQueueTakes) {
   EXPECT_EQ(axis_->read(ObjectAddress{0x6067, 0}).value(), kFrames);
 }
 
-// 6060h = 50 is no mode that the drive has: CiA 301, 06090030h.
+// The drive has no mode 50, so 6060h = 50 is refused: CiA 301, 06090030h.
 TEST_F(LockStep, ReportsEachValueOfASetPointThatTheDriveRefuses) {
   ASSERT_TRUE(axis_->enable());
   std::promise<SetPointRefusal> reported;
@@ -248,7 +248,7 @@ TEST_F(LockStep, ReportsEachValueOfASetPointThatTheDriveRefuses) {
   EXPECT_EQ(axis_->read(ObjectAddress{0x6081, 0}).value(), 4'321) << "the other one is in force";
 }
 
-// What a call waits for is the outcome of the call.
+// A refusal that a call waits for is the outcome of the call.
 TEST_F(LockStep, ReportsNoRefusalThatACallReturns) {
   std::atomic<int> reports = 0;
   sut_.on_set_point_refusal([&reports](const SetPointRefusal& /*refusal*/) {
@@ -288,7 +288,7 @@ TEST_F(LockStep, HoldsItsAxisExclusivelyAndReleasesItAtTheEnd) {
   EXPECT_TRUE(theirs->disable());
 }
 
-/// Another session owns axis 1.1, which moves slowly to a far target.
+/// Another session owns axis 1.1 and moves it slowly to a distant target.
 class AxisOfAnotherSession : public testing::Test {
  protected:
   void SetUp() override {
@@ -362,7 +362,7 @@ TEST_F(AxisOfAnotherSession, IsStoppedWithAllAxesOfItsBench) {
   EXPECT_EQ(axis_->status()->owner_session, owner_.id());
 }
 
-/// Events in the order in which a session reports them.
+/// Collects events in the order in which a session reports them.
 class Reported {
  public:
   void add(const Event& event) {
@@ -466,7 +466,7 @@ TEST_F(LockStep, DisturbsAnAxisAndRemovesTheDisturbance) {
 TEST_F(LockStep, EachDisturbanceCausesTheFaultThatItsRowNames) {
   ASSERT_TRUE(axis_->write({0x6065, 0}, 1'000)) << "following error window [UU]";
   ASSERT_TRUE(axis_->write({0x6066, 0}, 1)) << "following error time-out [ms]";
-  // In reverse: after a load torque, which is the first one, the axis runs on for a long time.
+  // In reverse order: after a load torque, the first, the axis would run on for a long time.
   for (auto next = kDisturbances.rbegin(); next != kDisturbances.rend(); ++next) {
     const DisturbanceRow& row = *next;
     SCOPED_TRACE(row.name);
@@ -591,7 +591,7 @@ TEST_F(LockStep, ReceivesStatusWhileAnotherSessionSteps) {
   auto follower = sut_.follow({{1, 1}}, Pace::observe);
   ASSERT_TRUE(follower);
   Session stepper(options_on_wire());
-  // Matching takes some time: step until a sample arrives, then none may be missing.
+  // Matching takes some time. Step until a sample arrives; from then on none may be missing.
   Result<Observation> sample = Outcome::timed_out("");
   const auto deadline = std::chrono::steady_clock::now() + 10s;
   while (!sample) {
@@ -600,7 +600,7 @@ TEST_F(LockStep, ReceivesStatusWhileAnotherSessionSteps) {
     sample = follower->next(20ms);
   }
   ASSERT_TRUE(stepper.step(1, 10));
-  Observation kept = *sample;  // its memory is reused
+  Observation kept = *sample;  // a copy, because its memory is reused
   const auto last = *stepper.step(1, 0);
   while (kept.tick < last) {
     const std::uint64_t before = kept.tick;
@@ -612,7 +612,7 @@ TEST_F(LockStep, ReceivesStatusWhileAnotherSessionSteps) {
   }
 }
 
-// Ticks of 1 ms, and samples that wait: each is as many ms behind as ticks were run after it.
+// Ticks of 1 ms, and samples that wait: a sample is as many ms old as ticks were run after it.
 TEST_F(LockStep, AFollowerMeasuresHowFarItsSamplesAreBehindTheBench) {
   auto follower = sut_.follow({{1, 1}}, Pace::observe);
   ASSERT_TRUE(follower);
@@ -626,7 +626,7 @@ TEST_F(LockStep, AFollowerMeasuresHowFarItsSamplesAreBehindTheBench) {
   for (int i = 0; i < 4; ++i) ASSERT_TRUE(stepper.step(1, 1));
   const auto last = *stepper.step(1, 0);
   const std::array ids{AxisId{1, 1}};
-  ASSERT_EQ(sut_.observe(ids)->tick, last);  // from here on the session knows the time of the bench
+  ASSERT_EQ(sut_.observe(ids)->tick, last);  // from here on the session knows the bench's time
   const Lateness before = follower->lateness();
   std::uint64_t late = 0;
   std::chrono::nanoseconds longest = before.longest;
@@ -690,7 +690,7 @@ TEST_F(LockStep, AnObserverHasANextSampleWhileOneWaits) {
   ASSERT_TRUE(follower);
   EXPECT_FALSE(follower->has_next());
   Session stepper(options_on_wire());
-  // Matching takes some time: step until a sample arrives.
+  // Matching takes some time, so step until a sample arrives.
   const auto deadline = std::chrono::steady_clock::now() + 10s;
   while (!follower->has_next()) {
     ASSERT_LT(std::chrono::steady_clock::now(), deadline);
@@ -747,7 +747,7 @@ TEST(RealtimeSession, MovesHaltsAndKeepsControlOfItsAxis) {
   ASSERT_TRUE(axis->move_to(2000));
   EXPECT_EQ(*axis->read(kDemand), 2000);
   ASSERT_TRUE(axis->move_by(500));
-  // Three times the watchdog's time without a message from this thread.
+  // Three times the watchdog's time-out without a message from this thread.
   ASSERT_TRUE(sut.wait(1, 1500ms));
   EXPECT_EQ(axis->status()->state(), PowerState::operation_enabled);
   EXPECT_EQ(axis->status()->owner_session, sut.id());
@@ -787,7 +787,7 @@ TEST(RealtimeSession, AnInterruptedMoveReportsThatTheAxisStillMoves) {
   });
   ASSERT_TRUE(axis->wait_until(
       [](const AxisSnapshot& seen) {
-        return seen.status.velocity_demand_value >= 500;  // long after the acknowledge
+        return seen.status.velocity_demand_value >= 500;  // long after the acknowledgement
       },
       20s));
   sut.interrupt();

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Status frames become samples of the wanted axes; missing ones are counted.
+// Status frames are combined into samples of the wanted axes; missing ones are counted.
 #include "streams/status_feed.hpp"
 
 #include "vdrive/wire/codec.hpp"
@@ -31,7 +31,7 @@ msg::StatusFrame frame(std::uint64_t tick, std::initializer_list<std::uint16_t> 
   return message;
 }
 
-/// The frame as it arrives from the network.
+/// Encodes frames as they arrive from the network.
 class Feed {
  public:
   Feed(std::vector<std::uint16_t> axes, std::uint32_t status_every_ticks,
@@ -79,7 +79,7 @@ TEST(StatusFeed, BeginsWithTick0) {
   EXPECT_EQ(sample->tick, 0U);
 }
 
-// A frame of before the call may be on its way to the reader.
+// A frame from before the call may still be on its way to the reader.
 TEST(StatusFeed, LeavesOutFramesOfBeforeItsFirstTick) {
   Feed sut({1}, 1, 5);
   EXPECT_FALSE(sut.on_frame(frame(4, {1})));
@@ -98,7 +98,7 @@ TEST(StatusFeed, CombinesThePartsOfATick) {
   EXPECT_TRUE(sut.take().has_value());
 }
 
-// In any order: a frame of a stranger need not be sorted.
+// In any order: frames from strangers need not be sorted.
 TEST(StatusFeed, WantsNoFrameWhoseAxesAreAllBelowOrAboveItsOwn) {
   const Feed sut({300, 290}, 1);
   EXPECT_TRUE(sut.wants(frame(5, {300, 512, 257})));
@@ -108,7 +108,7 @@ TEST(StatusFeed, WantsNoFrameWhoseAxesAreAllBelowOrAboveItsOwn) {
   EXPECT_FALSE(sut.wants(frame(5, {512, 301})));
 }
 
-// This answer wakes the waiting call, once a tick.
+// This result wakes the waiting call, once per tick.
 TEST(StatusFeed, ReportsWhichFrameCompletesASample) {
   Feed sut({1, 300}, 1);
   EXPECT_FALSE(sut.on_frame(frame(5, {1})));
@@ -116,7 +116,7 @@ TEST(StatusFeed, ReportsWhichFrameCompletesASample) {
   EXPECT_FALSE(sut.on_frame(frame(4, {1, 300})));
 }
 
-// The second call returns the memory of the sample of tick 1, and tick 3 uses it.
+// The second call returns the memory of the sample of tick 1 for reuse by tick 3.
 TEST(StatusFeed, ReusesTheMemoryOfTakenSamples) {
   Feed sut({1, 300}, 1);
   Observation sample;
@@ -143,7 +143,7 @@ TEST(StatusFeed, LeavesTheSampleUnchangedWhenNoneHasArrived) {
   EXPECT_EQ(sample.axes.size(), 2U);
 }
 
-// A sample of another feed has another size: its memory is not kept.
+// A sample of another feed has another size, so its memory is not kept.
 TEST(StatusFeed, DoesNotReuseMemoryOfAnotherSize) {
   Feed sut({1, 300}, 1);
   Observation sample{.tick = 7, .missed = 2, .axes = {{}, {}, {}}};
@@ -181,7 +181,7 @@ msg::StatusFrame frame_after_jumps(std::uint64_t tick, std::uint64_t skipped) {
   return message;
 }
 
-// From 5 the number jumps over 9,000 ticks; of the ticks that are run then, 9,006 is lost.
+// After 5 the number jumps over 9,000 ticks. Of the ticks run after that, 9,006 is lost.
 TEST(StatusFeed, CountsTheTicksThatTheNumberJumpedOverApartFromLostOnes) {
   Feed sut({1}, 1);
   for (const std::uint64_t tick : {4U, 5U}) sut.on_frame(frame_after_jumps(tick, 70));
@@ -199,7 +199,7 @@ TEST(StatusFeed, CountsTheTicksThatTheNumberJumpedOverApartFromLostOnes) {
   EXPECT_EQ(next->axes[0].driven_tick(), 8U) << "drive time goes on from there";
 }
 
-// From 1970 to 2023 in ticks of a millisecond: the frame's count has 32 bits.
+// From 1970 to 2023 in milliseconds, although the frame's count has only 32 bits.
 TEST(StatusFeed, CountsAJumpOfDecades) {
   constexpr std::uint64_t kJump = 1'700'000'000'000;
   Feed sut({1}, 10);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The black box of a bench: what happened around a fault that nobody watched.
+// The black box of a bench: the ticks around a fault that nobody watched.
 #include "support/bench_on_wire.hpp"
 #include "support/random_cases.hpp"
 #include "support/temporary_directory.hpp"
@@ -35,7 +35,7 @@ constexpr ObjectAddress kTarget{0x607A, 0};
 constexpr ObjectAddress kOverTemperature{0x5E03, 0};     // test-bench input
 constexpr std::uint32_t kOverTemperatureFault = 0x4310;  // 603Fh
 
-/// What a recorder beside the bench saw, by tick and number of the axis.
+/// The status seen by a recorder alongside the bench, by tick and axis number.
 using Recorded = std::map<std::pair<std::uint64_t, std::uint16_t>, AxisStatus>;
 
 std::uint64_t bits_of(const AxisStatus& status) {
@@ -48,7 +48,7 @@ std::vector<AxisId> ids_of(const std::vector<Axis>& axes) {
   return ids;
 }
 
-/// A bench in lock-step, its master, and a recorder that sees each tick.
+/// A lock-step bench, its master, and a recorder that sees each tick.
 class RecordedBench {
  public:
   explicit RecordedBench(const std::string& words)
@@ -78,7 +78,7 @@ class RecordedBench {
     ASSERT_TRUE(code) << code.outcome().message();
   }
 
-  /// To Operation enabled, and on a way of many seconds.
+  /// Enables the axis and starts a motion of many seconds.
   void move(std::size_t axis, std::int32_t target) {
     write(axis, kMode, 1);
     write(axis, kTarget, target);
@@ -87,7 +87,7 @@ class RecordedBench {
     write(axis, kControlword, 0x0F);
   }
 
-  /// @return how many ticks of the window the recorder has; each is the same to the bit.
+  /// Compares the window bit for bit with the recording. @return the number of samples compared.
   std::size_t compare(const Window& window) const {
     std::size_t compared = 0;
     for (const Observation& sample : window.samples) {
@@ -122,7 +122,7 @@ std::vector<std::string> causes_of(const std::vector<KeptWindow>& windows) {
   return causes;
 }
 
-/// Each tick of axis 1 in a window.
+/// @return the digest of every tick of axis 1 in a window.
 std::vector<std::uint64_t> bits_of_axis_1(Session& session, std::uint64_t number) {
   std::vector<std::uint64_t> bits;
   const std::vector<AxisId> axes{{kBench, 1}};
@@ -208,7 +208,7 @@ TEST(Window, ShowsWhereASnapshotWasRestored) {
   ASSERT_THAT(window->breaks, SizeIs(1));
   EXPECT_EQ(window->breaks.front().kind, WindowBreak::Kind::restored);
   EXPECT_EQ(window->breaks.front().tick, restored);
-  // The tick of the restored state is there twice: as it was, and as it is after that.
+  // The tick of the restored state occurs twice: as it was originally, and after the restore.
   EXPECT_EQ(std::ranges::count(window->samples, restored, &Observation::tick), 2);
   Window without = *window;
   std::erase_if(without.samples, [&](const Observation& sample) {
@@ -256,7 +256,7 @@ TEST(Window, KeepsTheRarestKindsLongest) {
   EXPECT_EQ(windows->back().number, 21U);
 }
 
-/// A bench whose time passes by itself: what a follower receives is compared.
+/// A bench whose time passes by itself; only ticks that a follower received are compared.
 class RunningBench : public testing::TestWithParam<const char*> {};
 
 TEST_P(RunningBench, GivesAWindowWhileItTicks) {
@@ -291,7 +291,7 @@ TEST_P(RunningBench, GivesAWindowWhileItTicks) {
         EXPECT_EQ(bits_of(each.status), bits_of(seen->second)) << "tick " << sample.tick;
       }
     }
-    // Freerun publishes by wall time: it may have left out all of the window.
+    // Freerun publishes by wall time, so it may have left out the complete window.
     if (GetParam() == std::string("realtime")) EXPECT_GT(compared, 0U);
     const std::uint64_t at = windows->front().causes.front().tick;
     for (const Observation& sample : window->samples) {
@@ -307,7 +307,7 @@ INSTANTIATE_TEST_SUITE_P(Clocks, RunningBench, testing::Values("realtime", "free
                            return std::string(clock.param);
                          });
 
-// The first run ends as a user ends it; the second one has the same axes and the same directory.
+// The first run ends normally; the second has the same axes and the same state directory.
 TEST(Window, OutlastsItsService) {
   const test::TemporaryDirectory state;
   const std::string words = "--axes 2 --state " + state.path().string();

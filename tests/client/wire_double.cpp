@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Acts as bench 1 for a client, in a process to be killed: wire_double DOMAIN INCARNATION ANSWER
-// [NAME]. Prints a line for each request; answers a read with ANSWER, or not at all when it is 0.
-// With NAME its participant has this name: it prints "ready", and describes its bench after
-// SIGUSR1.
+// Acts as bench 1 for a client, as a process that tests can kill: wire_double DOMAIN INCARNATION
+// ANSWER [NAME]. Prints a line for each request and answers a read with ANSWER; ANSWER 0 = no
+// answer. With NAME its participant has this name; it prints "ready" and describes its bench only
+// after SIGUSR1.
 #include "bench_messages.hpp"
 #include "vdrive/wire/participant.hpp"
 #include "vdrive/wire/publication.hpp"
@@ -42,7 +42,8 @@ msg::Reply reply_to(const msg::Request& request, std::uint64_t incarnation, std:
   return reply;
 }
 
-/// The signal that a mute double waits for; blocked before a thread of the library begins.
+/// Blocks the signal that a double without a bench waits for; must be called before the library
+/// starts a thread.
 sigset_t block_signal_to_describe() {
   sigset_t signals{};
   sigemptyset(&signals);
