@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-// The cost of the DDS library and the kernel alone, for the ratios of other figures.
+// The cost of the DDS library and the kernel alone, to which other figures are compared.
 //
 //   vdrive_bare_benchmark round-trip COUNT
-//       a reliable request and its reply between two processes, handed from the listener to a
-//       worker on both sides: the sizes and the QoS of a step of one tick
+//       a reliable request and its reply between two processes, passed from the listener to a
+//       worker on both sides, with the sizes and the QoS of a step of one tick
 //   vdrive_bare_benchmark sleep SECONDS
-//       how late a thread wakes that sleeps to each millisecond
+//       how late a thread wakes that sleeps until each millisecond
 //
 // Prints JSON lines: {"figure":"bare_round_trip_us_p50","value":...}.
 #include "bare_node.hpp"
@@ -32,9 +32,9 @@ using namespace std::chrono_literals;
 using Clock = std::chrono::steady_clock;
 
 constexpr std::size_t kRequest = 92;  // a step that names no axes
-constexpr std::size_t kReply = 92;    // and its reply
+constexpr std::size_t kReply = 92;    // its reply
 
-/// Hands samples from the listener's thread to another one.
+/// Passes samples from the listener's thread to another thread.
 class Mailbox {
  public:
   void put(const Bytes& bytes) {
@@ -46,7 +46,7 @@ class Mailbox {
     changed_.notify_one();
   }
 
-  /// @return false when less than `count` samples have come by then.
+  /// @return false if fewer than `count` samples have arrived by then.
   bool wait_for(std::uint64_t count, std::chrono::milliseconds patience) {
     std::unique_lock lock(mutex_);
     return changed_.wait_for(lock, patience, [&] {
@@ -65,7 +65,7 @@ double microseconds_since(Clock::time_point begin) {
   return std::chrono::duration<double, std::micro>(Clock::now() - begin).count();
 }
 
-/// The partner: a reply to each request.
+/// The partner process: replies to each request.
 [[noreturn]] void answer(std::uint32_t domain) {
   Mailbox mailbox;
   Listener listener([&mailbox](const Bytes& sample) {
@@ -73,7 +73,8 @@ double microseconds_since(Clock::time_point begin) {
   });
   Node node(domain);
   auto& writer = node.writer("reply", true);
-  // A client that has found the reader of requests may send: the replies arrive.
+  // A client may send as soon as it finds the reader of requests, so that reader is created only
+  // after the replies are matched.
   if (!wait_for_reader(writer)) std::_Exit(1);
   node.read("request", true, listener);
   Bytes reply(kReply);

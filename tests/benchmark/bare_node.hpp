@@ -37,8 +37,8 @@
 #include <utility>
 #include <vector>
 
-/// The DDS library without vdrive, with the QoS of vdrive's topics: the reference for the figures
-/// of the wire.
+/// The DDS library without vdrive, with the QoS of vdrive's topics: a reference for the figures of
+/// the wire.
 namespace vdrive::bare {
 
 namespace dds = wire::dds;
@@ -51,7 +51,7 @@ inline constexpr std::size_t kAxis = 112;
 
 using Bytes = std::vector<std::uint8_t>;
 
-/// Bytes, copied onto the wire and from it.
+/// A type of bytes that are copied onto the wire and from it.
 class BytesType final : public wire::LibraryType {
  public:
   BytesType() : LibraryType("Bytes", 2 * (kFrameHead + kAxesPerFrame * kAxis), false) {}
@@ -185,7 +185,7 @@ class Listener final : public dds::DataReaderListener {
   Bytes bytes_;
 };
 
-/// Checks every 10 ms. @return whether the condition held within `patience`.
+/// Checks every 10 ms. @return whether the condition became true within `patience`.
 template <typename Condition>
 [[nodiscard]] bool wait_until(const Condition& condition, std::chrono::milliseconds patience) {
   const auto deadline = std::chrono::steady_clock::now() + patience;
@@ -213,7 +213,7 @@ inline bool wait_for_reader(dds::DataWriter& writer) {
   return false;
 }
 
-/// A second process that runs a function; ends with this object.
+/// A second process that runs a function; the destructor ends it.
 class Partner {
  public:
   explicit Partner(const std::function<void()>& run) : process_(fork()) {
@@ -238,7 +238,7 @@ class Partner {
   pid_t process_;
 };
 
-/// @return a value that this process and the partners that it starts later share until they end.
+/// @return a value that this process shares with the partners that it starts later, until they end.
 /// @throws std::runtime_error without memory
 template <typename Value>
 Value& shared_with_partners() {
@@ -248,14 +248,14 @@ Value& shared_with_partners() {
   return *new (memory) Value{};
 }
 
-/// One figure as a line of JSON.
+/// Prints a figure as a line of JSON.
 inline void print_figure(const std::string& figure, double value, std::size_t axes = 0) {
   std::cout << R"({"figure":")" << figure << '"';
   if (axes != 0) std::cout << R"(,"axes":)" << axes;
   std::cout << R"(,"value":)" << value << "}\n" << std::flush;
 }
 
-/// @return the value that this share of `sorted` does not exceed.
+/// @return the quantile of `sorted` at `share`.
 inline double quantile(const std::vector<double>& sorted, double share) {
   const auto place = static_cast<std::size_t>(share * static_cast<double>(sorted.size()));
   return sorted[std::min(place, sorted.size() - 1)];

@@ -33,7 +33,7 @@ import time
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 FRAME = re.compile(rb"< frame ([0-9A-Fa-f]+) [0-9.]+ ([0-9A-Fa-f]*) ?>")
-PATIENCE = 10  # s for anything that this program waits for
+PATIENCE = 10  # s; for any single wait of this program
 SYNC = b"< send 080 0  >"
 START_ALL = (0x000, b"\x01\x00")
 
@@ -262,7 +262,7 @@ def measure_steps(options):
                 bus.write(node, 0x1800 + number, 1, 0x80000180 + 0x100 * number + node, 4)
             bus.write(node, 0x6060, 0, 8, 1)
         bus.send(START_ALL)
-        follow(bus, nodes, [0] * 100)  # they enable
+        follow(bus, nodes, [0] * 100)  # they enable during this time
         for _ in range(options.rounds):
             own, spent = time.process_time(), processor_seconds(program.pid)
             duration, highest = follow(bus, nodes, to_and_fro)

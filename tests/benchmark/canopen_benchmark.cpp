@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // Cost of the nodes of a CANopen bus, without sockets and sessions: a SYNC with four TPDOs of each
-// node and the tick behind it, a frame that is for another node, an SDO round trip. Prints one JSON
-// line for each figure: the median of the repetitions.
+// node and the tick after it, a frame for another node, an SDO round trip. Prints one JSON line for
+// each figure: the median of the repetitions.
 #include "figure_reporter.hpp"
 #include "node/frame.hpp"
 #include "node/node.hpp"
@@ -38,7 +38,7 @@ Frame frame_of(std::uint32_t id, std::initializer_list<std::uint8_t> data) {
   return frame;
 }
 
-/// An axis of a bank as a node. What it sends is counted, and the last frame is kept.
+/// An axis of a bank as a node. Counts the frames that it sends and keeps the last one.
 class AxisNode final : public NodeHost {
  public:
   AxisNode(AxisBank& bank, std::size_t axis)
@@ -98,7 +98,7 @@ class AxisNode final : public NodeHost {
   Node node_;
 };
 
-/// Nodes whose TPDOs are sent at each SYNC, in Operational.
+/// Nodes in Operational that send their TPDOs at each SYNC.
 class NodesOfABank {
  public:
   explicit NodesOfABank(std::size_t count) : bank_(std::vector<AxisConfiguration>(count), kPeriod) {
@@ -121,7 +121,7 @@ class NodesOfABank {
     for (const auto& node : nodes_) node->receive(frame);
   }
 
-  /// SYNC, and the tick behind it.
+  /// Sends a SYNC and runs the tick after it.
   void synchronise() {
     receive(Frame{.id = 0x080});
     bank_.step();
@@ -141,14 +141,14 @@ class NodesOfABank {
   DriveTime now_{0};
 };
 
-/// Reports the time of one of `parts` equal parts of an iteration [ns].
+/// Reports the time of one of the `parts` equal parts of an iteration [ns].
 void report(benchmark::State& state, std::size_t parts) {
   state.counters["value"] = benchmark::Counter(
       1.0e-9 * static_cast<double>(parts),
       benchmark::Counter::kIsIterationInvariantRate | benchmark::Counter::kInvert);
 }
 
-/// A node's share of a SYNC and its tick.
+/// Measures each node's share of a SYNC and its tick.
 void synchronise(benchmark::State& state) {
   const auto count = static_cast<std::size_t>(state.range(0));
   NodesOfABank nodes(count);
@@ -164,7 +164,7 @@ void synchronise(benchmark::State& state) {
   report(state, count);
 }
 
-/// A TPDO of another node, as each node of a bus receives it.
+/// Measures the handling of another node's TPDO, which every node of a bus receives.
 void ignore_frame(benchmark::State& state) {
   NodesOfABank nodes(1);
   const std::size_t before = nodes.sent();
@@ -174,7 +174,7 @@ void ignore_frame(benchmark::State& state) {
   report(state, 1);
 }
 
-/// An SDO upload, from the request to the answer.
+/// Measures an SDO upload, from the request to the answer.
 void read_object(benchmark::State& state, std::uint16_t index) {
   NodesOfABank nodes(1);
   const Frame request = frame_of(0x601, {0x40, static_cast<std::uint8_t>(index & 0xFF),

@@ -1,16 +1,17 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: Apache-2.0
-# Compares this tree with a commit: builds both, runs them in turn, and prints a table with the
-# medians of both, their ratio, and the least and greatest ratio of a pair.
+# Compares this tree with a commit: builds both, runs them in turn, and prints a table with both
+# medians, their ratio, and the smallest and largest ratio of a pair.
 #
 #   ./tests/benchmark/compare.sh COMMIT [--pairs N]
 #                                [--only core|freerun|step|frame|publish|process|follow]
 #
-# N is 7. The commit is built in build/compare/HASH, which stays for the next time. Each figure
-# is taken from the old tree and at once from the new one; the ratio of such a pair holds also on a
-# machine with other work. The programs that measure steps, frames and publication over DDS are
-# those of this tree, the services those of both. Process (a bench in the caller's process) and
-# follow (start, and a client that follows 1,000 axes) take both sides from the same tree.
+# N is 7 by default. The commit is built in build/compare/HASH, which is kept for the next run. Each
+# figure is measured in the old tree and immediately afterwards in the new one, so the ratio of such
+# a pair is valid even on a busy machine. The programs that measure steps, frames and publication
+# over DDS are those of this tree; the services are those of both. Process (a bench in the caller's
+# process) and follow (start, and a client that follows 1,000 axes) take both sides from the same
+# tree.
 set -euo pipefail
 
 root=$(cd "$(dirname "${BASH_SOURCE[0]}")/../.." && pwd)
@@ -55,7 +56,7 @@ figures=$root/build/compare/figures-$hash.jsonl
 : >"$figures"
 keep_awake
 
-# run_both PROGRAM: with the directory of each tree's build behind it.
+# run_both PROGRAM: calls PROGRAM with the build directory of each tree.
 run_both() {
   local tree build
   for tree in old new; do
@@ -77,7 +78,7 @@ frame() { wire "$1" command --axes 64; }
 publish() { wire "$1" publish --axes 1024; }
 process() { "$1/tests/benchmark/vdrive_local_benchmark" "$1/bin/vdrived" 3; }
 
-# The processor time is of service and client together.
+# The processor time is that of service and client together.
 follow() {
   local TIMEFORMAT='{"figure":"follow_user_s","axes":1000,"value":%U}'
   { time "$1/tests/benchmark/vdrive_follow_benchmark" "$1/bin/vdrived" 5 1 --moving --axes 1000; } 2>&1

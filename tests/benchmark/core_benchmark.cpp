@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Cost of a whole tick of the bank (writes due, drive logic, eight servo sub-steps, monitors,
+// Cost of a complete tick of the bank (due writes, drive logic, eight servo sub-steps, monitors,
 // status image) with all axes moving, and of planning one move. Prints one JSON line for each
 // figure: the median of the repetitions.
 #include "figure_reporter.hpp"
@@ -31,12 +31,12 @@ void command(vdrive::AxisBank& bank, std::size_t axis, std::uint16_t index, std:
   }
 }
 
-/// What the axes of a figure have that is off by default.
+/// A feature of the measured axes that is off by default.
 enum class Extra { none, jerk, habit };
 
-/// Axes on moves that last longer than any benchmark: every second one cruises, the others change
-/// their speed all the way, each with its own numbers. With limited jerk these change their
-/// acceleration, too, for 100 s.
+/// Starts moves that last longer than any benchmark. Every second axis cruises, the others change
+/// their speed all the time, each with different numbers. With limited jerk these also change their
+/// acceleration, for 100 s.
 vdrive::AxisBank moving_bank(std::size_t axes, const vdrive::AxisModel& model, Extra extra) {
   const bool has_jerk = extra == Extra::jerk;
   vdrive::AxisConfiguration configuration;
@@ -76,7 +76,8 @@ bool all_moving(const vdrive::AxisBank& bank) {
   return true;
 }
 
-/// With a holding brake, cogging and a motor that heats, too little for a warning.
+/// @return a model with a holding brake, cogging and a motor that heats up too little for a
+///         warning.
 vdrive::AxisModel with_effects(vdrive::Coupling coupling) {
   return {.coupling = coupling,
           .brake_torque = 2.0,
@@ -84,8 +85,8 @@ vdrive::AxisModel with_effects(vdrive::Coupling coupling) {
           .motor_thermal_time_constant = 60.0};
 }
 
-/// With what acts in each sub-step: noise of the encoders, and ripple. The end stops are out of
-/// reach.
+/// @return a model with effects that act in each sub-step: encoder noise and ripple. The end stops
+///         are out of reach.
 vdrive::AxisModel with_noise() {
   return {.torque_ripple = 1.0,
           .encoder_noise = 0.01,
@@ -106,7 +107,7 @@ void tick(benchmark::State& state, const vdrive::AxisModel& model, Extra extra) 
       benchmark::Counter::kIsIterationInvariantRate | benchmark::Counter::kInvert);
 }
 
-/// Axes at rest: without power, or on their target.
+/// Measures axes at rest: without power, or at their target.
 void tick_at_rest(benchmark::State& state, bool powered) {
   const auto axes = static_cast<std::size_t>(state.range(0));
   const std::vector<vdrive::AxisConfiguration> configurations(axes);
@@ -154,7 +155,7 @@ void plan(benchmark::State& state) {
       1.0e-9, benchmark::Counter::kIsIterationInvariantRate | benchmark::Counter::kInvert);
 }
 
-/// The cases of `plan` with limited jerk, and an acceleration at the start.
+/// The cases of `plan` with limited jerk and an acceleration at the start.
 void jerk_plan(benchmark::State& state) {
   struct Case {
     vdrive::MotionSample start;

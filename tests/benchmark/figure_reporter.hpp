@@ -10,8 +10,8 @@
 
 namespace vdrive::test {
 
-/// Google Benchmark 1.7 of Debian 12 and 1.9 of Debian 13 have other names for it.
-/// @return why the run failed; nothing = it did not.
+/// Google Benchmark 1.7 of Debian 12 and 1.9 of Debian 13 name this differently.
+/// @return the reason for which the run failed, if it did.
 template <typename Run>
 std::optional<std::string> failure_of(const Run& run) {
   if constexpr (requires { run.error_occurred; }) {
@@ -22,7 +22,7 @@ std::optional<std::string> failure_of(const Run& run) {
   return std::nullopt;
 }
 
-/// One JSON line for each figure, of the medians.
+/// Prints one JSON line for each figure, with the medians.
 class FigureReporter final : public benchmark::BenchmarkReporter {
  public:
   bool ReportContext(const Context& context) override {

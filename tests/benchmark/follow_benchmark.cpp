@@ -3,10 +3,10 @@
 //
 //   vdrive_follow_benchmark VDRIVED SECONDS CLIENTS [--enabled|--moving] [argument of vdrived...]
 //
-// --enabled: every axis holds its position with power; --moving: every axis moves all the time;
-// without them none has power.
+// --enabled: every axis is powered and holds its position; --moving: every axis moves all the time;
+// with neither, no axis has power.
 // Each client is a process with a session that follows all axes of bench 1; the figures are those
-// of the first one. Prints JSON lines: {"figure":"status_missed_share","axes":1024,"value":...}.
+// of the first client. Prints JSON lines: {"figure":"status_missed_share","axes":1024,"value":...}.
 #include "bare_node.hpp"
 #include "service_process.hpp"
 #include "support/dropped_by_sockets.hpp"
@@ -45,7 +45,7 @@ struct Followed {
   double first = 0.0;  ///< from the start of the service [s]
 };
 
-/// What the service reports about its ticks.
+/// Collects the service's own counters of its ticks.
 class States {
  public:
   explicit States(std::uint32_t domain)
@@ -64,7 +64,8 @@ class States {
 
   [[nodiscard]] std::uint64_t overflows() const noexcept { return overflows_; }
 
-  /// @return how often the tick number jumped: no ticks, so no status, but not lost on the way.
+  /// @return how often the tick number jumped. The skipped ticks have no status, so they are not
+  ///         lost.
   [[nodiscard]] std::uint64_t jumps() const noexcept { return jumps_; }
 
  private:
@@ -110,7 +111,7 @@ Followed follow(Clock::time_point start, std::chrono::seconds duration,
   return followed;
 }
 
-/// Keeps every axis of bench 1 enabled until its destruction.
+/// Keeps every axis of bench 1 enabled until it is destroyed.
 class Power {
  public:
   Power() : session_({.domain = test::test_domain(), .bench = 1, .find_timeout = 30s}) {
@@ -122,10 +123,10 @@ class Power {
     }
   }
 
-  /// Starts moves that last longer than any run, in groups as large as groups may be.
+  /// Starts moves that last longer than any run, in groups of the largest size.
   void move() {
     constexpr std::size_t kGroup = 256;
-    constexpr double kWay = 6.0e7;  // [UU]; 3,000 s at the speed that axes have at first
+    constexpr double kWay = 6.0e7;  // [UU]; takes 3,000 s at the default speed
     const std::span<const client::Axis> axes(axes_);
     for (std::size_t first = 0; first < axes.size(); first += kGroup) {
       const auto part = axes.subspan(first, std::min(kGroup, axes.size() - first));
@@ -148,7 +149,7 @@ int run(const std::string& program, std::chrono::seconds duration, int clients,
   const bool is_moving = !arguments.empty() && arguments.front() == "--moving";
   const bool is_enabled = is_moving || (!arguments.empty() && arguments.front() == "--enabled");
   if (is_enabled) arguments.erase(arguments.begin());
-  static_cast<void>(test::test_domain());  // the other processes use the same one
+  static_cast<void>(test::test_domain());  // the other processes use the same domain
   const auto start = Clock::now();
   const test::ServiceProcess service(program, arguments);
   std::vector<std::unique_ptr<bare::Partner>> others;

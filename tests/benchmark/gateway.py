@@ -83,7 +83,7 @@ def start_gateway(options, running):
     return gateway, port, metrics
 
 
-CONDITIONS = {  # words before the program of the clients; none = no clients
+CONDITIONS = {  # arguments placed before the clients' program; none = no clients
     "alone": None,
     "clients_at_idle_priority": ["chrt", "-i", "0"],
     "clients_at_usual_priority": [],
@@ -156,7 +156,7 @@ def soak(options, running):
         loads.append(os.getloadavg()[0])
     running.remove(load)
     result = json.loads(load.stdout.read())
-    later = next(i for i, t in enumerate(times) if t >= seconds / 10)  # the start is left out
+    later = next(i for i, t in enumerate(times) if t >= seconds / 10)  # excludes the start
     hours = [t / 3600 for t in times[later:]]
     return {"axes": options.axes, "minutes": options.soak, "load_average": [min(loads), max(loads)],
             "clients": options.clients, "messages_per_second": result["messages_per_second"],
@@ -181,7 +181,7 @@ def cost(options, running):
     result["overruns_with"] = overruns(metrics) - before
     result["cores_of_gateway"] = (processor_seconds(gateway.pid) - spent) / options.seconds
     result["rss_mb"] = resident_mb(gateway.pid)
-    # They read nothing for less than the time after which a silent client is closed.
+    # They read nothing, but for less time than a silent client is tolerated.
     deaf = subprocess.Popen([options.build / "bin/gateway_load", port, "10", "8", "--deaf"])
     running.append(deaf)
     most = result["rss_mb"]

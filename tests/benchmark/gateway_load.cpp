@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Clients of a gateway that receive the status of bench 1, each in a thread of its own.
+// Clients of a gateway that receive the status of bench 1, each in its own thread.
 //
 //   gateway_load PORT CLIENTS SECONDS [--deaf]
 //
-// Prints one line of JSON: messages a client and second, their size, and how old a tick is when its
-// message arrives: the bench has to run in real time on this machine. --deaf: the clients subscribe
-// and then read nothing.
+// Prints one line of JSON: messages per client and second, their size, and the age of a tick when
+// its message arrives, for which the bench must run in real time on this machine. --deaf: the
+// clients subscribe and then read nothing.
 #include "gateway/tool_client.hpp"
 #include "vdrive/number_text.hpp"
 
@@ -23,7 +23,7 @@
 namespace {
 
 using namespace vdrive::test;
-using Clock = std::chrono::system_clock;  // ticks of a bench in real time count from its epoch
+using Clock = std::chrono::system_clock;  // the epoch of the ticks of a real-time bench
 
 struct Arguments {
   std::uint16_t port = 0;

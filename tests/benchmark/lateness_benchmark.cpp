@@ -1,16 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// How late the ticks of a realtime bench begin, and beside it, in the same time, how late a bare
-// loop wakes that sleeps to each millisecond with clock_nanosleep.
+// How late the ticks of a realtime bench begin and, over the same time, how late a bare loop wakes
+// that sleeps until each millisecond with clock_nanosleep.
 //
 //   vdrive_lateness_benchmark VDRIVED SECONDS CLIENTS PRIORITY [argument of vdrived...]
 //
 // Each client is a process with a session that follows all axes of bench 1. PRIORITY is that of
-// SCHED_FIFO, for both; 0 = the usual schedule. Where it is not permitted, nothing is measured.
+// SCHED_FIFO for both; 0 = normal scheduling. If it is not permitted, nothing is measured.
 //
-// A bench counts its ticks in bins of powers of two; a quantile lies where the ticks of its bin
-// would put it if their logarithms were spread evenly. The bare loop counts likewise, so that both
-// are comparable. Prints JSON lines: {"figure":"late_us_p99","clients":4,"priority":0,...}.
+// A bench counts its ticks in bins of powers of two. A quantile is interpolated within its bin as
+// if the logarithms of the lateness were spread evenly. The bare loop counts in the same way, so
+// both are comparable. Prints JSON lines: {"figure":"late_us_p99","clients":4,"priority":0,...}.
 #include "bare_node.hpp"
 #include "service_process.hpp"
 #include "support/test_domain.hpp"
@@ -50,7 +50,7 @@ using namespace std::chrono_literals;
 
 constexpr std::size_t kBins = 32;
 
-/// Ticks by how late they began; bin i: below 2^i us.
+/// Counts of ticks by lateness; bin i: below 2^i us.
 using Histogram = std::array<std::uint64_t, kBins>;
 
 struct Settings {
@@ -69,7 +69,7 @@ bool may_have(int priority) {
   return permitted;
 }
 
-/// @return how late the share `share` of the ticks was at most [us].
+/// @return the lateness that the share `share` of the ticks does not exceed [us].
 double quantile(const Histogram& histogram, double share) {
   std::uint64_t all = 0;
   for (const std::uint64_t count : histogram) all += count;
@@ -89,7 +89,7 @@ Histogram difference(Histogram later, const Histogram& earlier) {
   return later;
 }
 
-/// Sleeps to each millisecond from its construction to `end`.
+/// Sleeps until each millisecond, from its construction until `end`.
 class BareLoop {
  public:
   explicit BareLoop(int priority)
@@ -122,7 +122,7 @@ class BareLoop {
     clock_gettime(CLOCK_REALTIME, &wall);
     timespec next{};
     clock_gettime(CLOCK_MONOTONIC, &next);
-    // In the middle between two ticks of the bench, which begin with the milliseconds of the wall.
+    // Halfway between two ticks of the bench, which begin at the milliseconds of the wall clock.
     next.tv_nsec += 2 * kMillisecond + kMillisecond / 2 - wall.tv_nsec % kMillisecond;
     while (!stop_) {
       if (next.tv_nsec >= kSecond) {
@@ -144,7 +144,7 @@ class BareLoop {
   std::thread thread_;
 };
 
-/// The counters of the bench.
+/// Collects the counters of the bench.
 class States {
  public:
   States()
@@ -176,7 +176,7 @@ class States {
 };
 
 /// A client that receives every status of all axes.
-/// @param joined counts the clients that have received one
+/// @param joined counts the clients that have received a first status
 void follow(std::chrono::seconds duration, std::atomic<int>& joined) {
   client::Session session({.domain = test::test_domain(), .bench = 1, .find_timeout = 30s});
   const auto bench = session.find_bench(1);
@@ -192,7 +192,7 @@ void follow(std::chrono::seconds duration, std::atomic<int>& joined) {
   }
 }
 
-/// @throws std::runtime_error when the condition does not hold within a minute
+/// @throws std::runtime_error if the condition does not become true within a minute
 template <typename Condition>
 void expect_soon(const Condition& condition, const std::string& missing) {
   if (!bare::wait_until(condition, 60s)) throw std::runtime_error(missing);
@@ -218,7 +218,7 @@ int run(const Settings& settings, std::vector<std::string> arguments) {
     std::cerr << "SCHED_FIFO is not permitted: nothing measured\n";
     return 0;
   }
-  static_cast<void>(test::test_domain());  // the other processes use the same one
+  static_cast<void>(test::test_domain());  // the other processes use the same domain
   const auto file = std::filesystem::temp_directory_path() /
                     ("vdrive-lateness-" + std::to_string(getpid()) + ".yaml");
   std::ofstream(file) << "clock:\n  realtime_priority: " << settings.priority << '\n';

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// A bench in this process beside a given vdrived over DDS, by the client library and in turns: what
-// it costs to make one, to step it, and to let drive time pass.
+// A bench in this process and a given vdrived over DDS, both used through the client library and in
+// turn: the cost of creating a bench, of stepping it, and of letting drive time pass.
 //
 //   vdrive_local_benchmark VDRIVED ROUNDS
 //
@@ -9,11 +9,12 @@
 // bench_shown_above_bare_us is the median of the differences between neighbouring blocks of 50
 // steps.
 //
-// A virtual processor may share a core with another guest, and is then slower by half, for
-// milliseconds or for hours, which no counter of the guest shows. So a calculation runs between the
-// bare steps, which has no other thread and asks the system for nothing. calculation_us shows what
-// the machine does to it. bench_step_steady_us is of the steps between two calculations at full
-// speed, that of the fastest hundredth; bench_step_steady_share says how many these are.
+// A virtual processor may share a core with another guest and is then slower by half, for
+// milliseconds or for hours, which no counter of the guest shows. Therefore a calculation runs
+// between the bare steps; it uses no other thread and no system calls. calculation_us shows how the
+// machine affects it. bench_step_steady_us counts only the steps between two calculations at full
+// speed, which is the speed of the fastest hundredth; bench_step_steady_share is the share of these
+// steps.
 #include "private_bench.hpp"
 
 #include <Eigen/Core>
@@ -42,8 +43,8 @@ using Clock = std::chrono::steady_clock;
 using Microseconds = std::chrono::duration<double, std::micro>;
 
 constexpr std::size_t kAxes = 64;
-constexpr double kSteady = 1.1;              // of the fastest hundredth of the calculations
-constexpr std::size_t kFewest = 1'000;       // of which a hundredth is some steps
+constexpr double kSteady = 1.1;              // times the fastest hundredth of the calculations
+constexpr std::size_t kFewest = 1'000;       // so that a hundredth is several steps
 constexpr std::size_t kSteps = 5'000;        // of each kind in a round
 constexpr std::size_t kBlocks = 100;         // in a round
 constexpr std::size_t kKept = 10'000;        // ticks
@@ -53,7 +54,7 @@ void require(const Outcome& outcome) {
   if (!outcome) throw std::runtime_error(outcome.message());
 }
 
-/// A bench in lock-step with a session on it, in one of the two forms.
+/// A lock-step bench with a session, in one of the two forms.
 class BenchInUse {
  public:
   /// @param service the program vdrived; empty = in this process
@@ -80,13 +81,13 @@ class BenchInUse {
   std::optional<Session> session_;
 };
 
-/// Of one kind [us].
+/// The steps of one kind [us].
 struct Steps {
   std::vector<double> times;
-  std::vector<double> calculated;  ///< the calculation after each of them
+  std::vector<double> calculated;  ///< the calculation after each step
 };
 
-/// Of all rounds [us].
+/// The times of all rounds [us].
 struct Times {
   Steps bare;
   Steps shown;
@@ -105,7 +106,7 @@ struct Form {
 
 using Forms = std::array<Form, 2>;
 
-/// @return the value that this share of the times does not exceed.
+/// @return the quantile of the times at `share`.
 double quantile(std::vector<double> times, double share) {
   std::ranges::sort(times);
   return times.at(static_cast<std::size_t>(share * static_cast<double>(times.size())));
@@ -115,14 +116,14 @@ double median(const std::vector<double>& times) {
   return quantile(times, 0.5);
 }
 
-/// Some microseconds of arithmetic that keeps the units of a processor busy, as a tick of axes
+/// Some microseconds of arithmetic that keeps the units of a processor as busy as a tick of axes
 /// does.
 class Calculation {
  public:
   void run() {
     constexpr int kTimes = 80;
     for (int time = 0; time < kTimes; ++time) {
-      // Stays between -1 and 1: the factor of y is below a half.
+      // y stays between -1 and 1, because its factor is below a half.
       y_ = y_ * 0.5 + (x_ * z_ + 0.25) * (x_ - z_) - y_ * x_;
     }
     result_ = y_.sum();
@@ -165,7 +166,7 @@ std::vector<AxisId> ids_of_all(Session& session) {
   return ids;
 }
 
-/// For 40 rounds and more: half of the axes at a speed of their own, half accelerating.
+/// Lets half of the axes move at different speeds and half accelerate, for 40 rounds and more.
 void let_all_move(Session& session) {
   for (Axis& axis : session.axes(1).value()) {
     const std::uint32_t number = axis.id().axis;
@@ -176,11 +177,11 @@ void let_all_move(Session& session) {
                           .acceleration = cruises ? 409'600 : 10 + number,
                           .call = {.until = Until::in_force}}));
   }
-  static_cast<void>(session.wait(1, 1s).value());  // until each has a speed that shows
+  static_cast<void>(session.wait(1, 1s).value());  // until the speed of each is visible
 }
 
 /// @return the present tick.
-/// @throws std::runtime_error when an axis does not move
+/// @throws std::runtime_error if an axis does not move
 std::uint64_t tick_in_motion(Session& session, const std::vector<AxisId>& ids) {
   const Observation present = session.observe(ids).value();
   if (present.axes.size() != kAxes ||
@@ -192,7 +193,7 @@ std::uint64_t tick_in_motion(Session& session, const std::vector<AxisId>& ids) {
   return present.tick;
 }
 
-/// Some steps of a kind. @return how long they took.
+/// Measures some steps of a kind. @return their times.
 template <typename Step>
 std::vector<double> measure_block(const Step& step, Calculation& calculation, Steps& steps) {
   std::vector<double> times;
@@ -206,7 +207,8 @@ std::vector<double> measure_block(const Step& step, Calculation& calculation, St
   return times;
 }
 
-/// Both kinds in turns, a block of each: the machine changes its speed meanwhile.
+/// Measures a block of each kind in turn, because the machine changes its speed in the course of a
+/// run.
 void measure_steps(Session& session, const std::vector<AxisId>& ids, Times& times) {
   Calculation calculation;
   for (std::size_t block = 0; block < kBlocks; ++block) {
@@ -214,7 +216,7 @@ void measure_steps(Session& session, const std::vector<AxisId>& ids, Times& time
       static_cast<void>(session.step(1, 1).value());
     };
     const std::vector<double> bare = measure_block(step, calculation, times.bare);
-    // There for its block only: a bare step has none beside it.
+    // Exists for its block only, so that it does not slow the bare steps.
     Follower follower = session.follow(ids, Pace::drive).value();
     Observation sample;
     const auto show = [&] {
@@ -225,7 +227,7 @@ void measure_steps(Session& session, const std::vector<AxisId>& ids, Times& time
   }
 }
 
-/// @param memory for the samples of all ticks
+/// @param memory holds the samples of all ticks
 void measure_kept(Session& session, const std::vector<AxisId>& ids,
                   std::vector<AxisSnapshot>& memory, Times& times) {
   Follower follower = session.follow(ids, Pace::drive).value();
@@ -254,7 +256,7 @@ void measure_round(Form& form, const std::vector<AxisId>& ids, std::vector<AxisS
   }
 }
 
-/// A bench of two axes is made, its first axis is read, and it ends.
+/// Measures the creation of a bench of two axes, a read from its first axis, and its end.
 void measure_life(Form& form) {
   form.times.lived.push_back(time_of([&] {
     BenchInUse bench(form.service, 2);
@@ -262,7 +264,7 @@ void measure_life(Form& form) {
   }));
 }
 
-/// @param aim of the bench in this process; 0 = none
+/// @param aim for the bench in this process; 0 = none
 void print(std::string_view figure, const Form& form, std::size_t axes, double value, double aim) {
   std::cout << R"({"figure":")" << figure << R"(","over":")" << form.over << R"(","axes":)" << axes
             << R"(,"value":)" << value;
@@ -300,7 +302,7 @@ void print(const Form& form) {
 
 int measure(const std::string& service, int rounds) {
   Forms forms{Form{.over = "local", .service = ""}, Form{.over = "dds", .service = service}};
-  // First: a process that has much memory starts another one later.
+  // This comes first, because a process with much memory takes longer to start another one.
   for (int round = 0; round < rounds; ++round) {
     for (Form& form : forms) measure_life(form);
   }

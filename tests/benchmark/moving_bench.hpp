@@ -11,11 +11,11 @@
 
 namespace vdrive::test {
 
-/// A free-running bench without a wire, with all axes moving; its output is taken away as the
-/// status and report threads would.
+/// A free-running bench without a wire, with all axes moving. Its output is discarded as the status
+/// and report threads would do.
 class MovingBench {
  public:
-  /// Moves all axes far enough to move all the time.
+  /// Starts motions of all axes that last for the complete run.
   MovingBench(std::uint16_t axes, std::uint32_t threads)
       : axes_(axes),
         inbox_(1, counters_),
@@ -23,7 +23,7 @@ class MovingBench {
         engine_(configuration(axes, threads), {.bench = 1, .incarnation = 1}, outbox_, counters_),
         driver_(engine_, inbox_, outbox_, timer_) {
     for (std::uint16_t axis = 1; axis <= axes; ++axis) set_moving(axis);
-    for (std::size_t ticks = 0; ticks < axes; ++ticks) tick();  // the changed parameters leave
+    for (std::size_t ticks = 0; ticks < axes; ++ticks) tick();  // sends the changed parameters
   }
 
   static service::Configuration configuration(std::uint16_t axes, std::uint32_t threads) {
@@ -34,13 +34,13 @@ class MovingBench {
     return with;
   }
 
-  /// One cycle of the free-running driver: a status image a millisecond of wall time.
+  /// Runs one cycle of the free-running driver, with a status image per millisecond of wall time.
   void tick() {
     driver_.cycle();
     empty();
   }
 
-  /// One tick as in real time: a status image of every tick.
+  /// Runs one tick as in real time, with a status image of every tick.
   void tick_with_status() {
     engine_.step();
     engine_.queue_status();
@@ -55,7 +55,7 @@ class MovingBench {
   }
 
  private:
-  /// Writes as a client does.
+  /// Writes like a client.
   void set_moving(std::uint16_t axis) {
     const std::array<std::pair<std::uint16_t, std::int64_t>, 5> writes{{{0x6060, 1},
                                                                         {0x607A, 2'000'000'000},

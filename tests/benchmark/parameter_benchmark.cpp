@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// How long a durable save takes: from the order of the thread that steps to its return, in turn
-// with a bare fsync in the same directory, and 1,000 axes in one save. Prints one JSON line a
-// figure. The argument is the directory (default: the present one); it should lie on a disk.
+// The time of a durable save, from the order of the stepping thread to its completion, in turn with
+// a bare fsync in the same directory; and of a save of 1,000 axes. Prints one JSON line for each
+// figure. The argument is the directory (default: the current one); it should be on a disk.
 #include "store/parameter_saver.hpp"
 
 #include <fcntl.h>
@@ -28,7 +28,7 @@ using Clock = std::chrono::steady_clock;
 constexpr std::size_t kRepetitions = 1'000;
 constexpr std::size_t kLargeRepetitions = 20;
 constexpr std::uint16_t kManyAxes = 1'000;
-constexpr std::size_t kBytes = 1'024;  // about as long as the file of one axis
+constexpr std::size_t kBytes = 1'024;  // about the size of the file of one axis
 
 template <typename Function>
 double milliseconds_of(Function function) {

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 // The cost of the status of one axis in the service that sends it and the client that receives it,
-// beside the DDS library alone with the same bytes, frames and QoS.
+// next to that of the DDS library alone with the same bytes, frames and QoS.
 //
 //   vdrive_publication_benchmark AXES [ROUNDS]
 //
-// One thread does all steps of a tick's status: copy of the image, encoding, ring, writer, socket.
-// A second process receives. Rounds of vdrive and of the library alone alternate, each of 100 ticks
-// a millisecond apart. Prints the medians of processor time as JSON lines:
+// One thread does all the work for the status of a tick: copy of the image, encoding, ring, writer,
+// socket. A second process receives it. Rounds of vdrive and of the library alone alternate, each
+// of 100 ticks a millisecond apart. Prints the medians of processor time as JSON lines:
 //   {"figure":"publication_ns_per_axis","axes":1024,"value":...}
 #include "bare_node.hpp"
 #include "base/counters.hpp"
@@ -88,7 +88,7 @@ std::vector<std::uint16_t> numbers(std::size_t axes) {
   while (true) std::this_thread::sleep_for(1s);
 }
 
-/// The part of a service from the image of a tick to the socket, in one thread.
+/// The part of a service from the image of a tick to the socket, in a single thread.
 class Publisher {
  public:
   Publisher(std::uint32_t domain, std::size_t axes)
@@ -144,7 +144,7 @@ class Publisher {
   service::StatusImage image_;
 };
 
-/// The library alone with the same bytes.
+/// Publishes the same bytes with the library alone.
 class BarePublisher {
  public:
   BarePublisher(std::uint32_t domain, std::size_t axes)
@@ -168,10 +168,10 @@ class BarePublisher {
   std::vector<bare::Bytes> frames_;
 };
 
-/// Processor time of a round, for each axis and tick [ns].
+/// The processor time of a round, per axis and tick [ns].
 struct Cost {
   double sender = 0.0;
-  double receiver = 0.0;  ///< for each axis that arrived
+  double receiver = 0.0;  ///< per axis that arrived
   double arrived = 0.0;   ///< share
 };
 
@@ -188,7 +188,7 @@ Cost measure(const std::function<void()>& publish, const std::atomic<std::uint64
   }
   const double sender = seconds_of(CLOCK_THREAD_CPUTIME_ID) - sender_before;
   const std::uint64_t sent = axes * kTicks;
-  // What does not arrive is lost: the share that arrived shows it.
+  // Anything that does not arrive is lost and reduces the share.
   static_cast<void>(bare::wait_until(
       [&] {
         return axes_received - received_before >= sent;
@@ -240,7 +240,7 @@ int run(std::size_t axes, int rounds) {
           own.publish();
         },
         received.axes, receiver, axes);
-    if (round < 0) continue;  // the first touches all memory
+    if (round < 0) continue;  // the first round touches all memory
     costs.push_back(cost);
     bare_costs.push_back(bare_cost);
   }

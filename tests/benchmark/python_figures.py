@@ -57,7 +57,7 @@ def measure_steps(vdrive, options):
     program = options.build / "tests/benchmark/vdrive_step_benchmark"
     in_cpp, in_python = [], []
     with vdrive.Bench(1, over="dds") as bench, bench.session() as session:
-        steps_in_python(session, options.steps)  # warm
+        steps_in_python(session, options.steps)  # warm-up
         for _ in range(options.rounds):
             output = subprocess.run([program, str(bench.domain), str(options.steps)], check=True,
                                     capture_output=True, text=True).stdout
@@ -142,7 +142,7 @@ def let_all_move(session):
         speed, ramp = (20_000 + 100 * number, 409_600) if number % 2 == 0 else (100_000, 10 + number)
         axis.move_to(-2_000_000_000 if number % 3 == 0 else 2_000_000_000, velocity=speed,
                      acceleration=ramp, until="in_force")
-    session.wait(1.0)  # until each has a speed that shows
+    session.wait(1.0)  # until the speed of each is visible
 
 
 def times_of(session, options):
@@ -246,7 +246,7 @@ def measure_stream(vdrive, options):
                 samples += len(frames)
                 missed += int(frames["missed"][:, 0].sum())
                 highest = max(highest, int(frames["load_position_actual_value"].max(initial=0)))
-                time.sleep(0.01)  # a program that has other work: it takes ten samples at once
+                time.sleep(0.01)  # a program with other work, which takes ten samples at a time
             took = time.monotonic() - begin
             figure("python_stream_samples", options.axes, samples)
             figure("python_stream_lost", options.axes, missed, aim=0)

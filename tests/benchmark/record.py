@@ -43,7 +43,7 @@ def main():
                  str(options.axes), "--log-level", "error", "--metrics", str(metrics)]))
             subprocess.run([*tool, "--timeout", "20", "list"], check=True, capture_output=True)
             subprocess.run([*tool, "enable", "--all"], check=True, capture_output=True)
-            # Each with a speed of its own, longer than the measurement.
+            # Each axis has a different speed and moves for longer than the measurement.
             moves = "".join(f"move 1.{axis} {1_000_000_000} --velocity {1000 + axis} --no-wait\n"
                             for axis in range(1, options.axes + 1))
             subprocess.run([*tool, "run", "-"], check=True, capture_output=True, text=True,

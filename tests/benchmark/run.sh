@@ -1,10 +1,10 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: Apache-2.0
-# Builds the benchmarks of the parts below and runs them, some 14 minutes; prints one JSON line for
-# each figure on standard output (figures.py table FILE makes a table of them):
+# Builds the benchmarks of the parts below and runs them, which takes some 14 minutes. Prints one
+# JSON line for each figure on standard output (figures.py table FILE turns them into a table):
 #   {"figure":"axis_tick_ns","axes":1024,"value":...}
-# Everything else goes to standard error. The figures of the network stand beside those of the DDS
-# library alone, taken in the same run. Needs a machine without other work, and permission to use the
+# Everything else goes to standard error. Figures of the network are printed next to those of the
+# DDS library alone, from the same run. Needs an otherwise idle machine and permission to use the
 # loopback interface. The gateway has gateway.py.
 #
 #   ./tests/benchmark/run.sh [--quick]
@@ -13,9 +13,8 @@
 #   --quick    short runs, for a first estimate
 #   --only     one part: ticks of the bank; ticks, threads, stores and publication of the engine;
 #              steps over DDS; status that clients receive, and recordings; start and list; a bench in
-#              the process beside one over DDS, from C++, Python, pytest and `vdrive test`; the Python
-#              module beside C++; CANopen nodes, alone and behind a socketcand server; how late ticks
-#              begin
+#              the process and one over DDS, from C++, Python, pytest and `vdrive test`; the Python
+#              module and C++; CANopen nodes, alone and on a socketcand server; how late ticks begin
 set -euo pipefail
 
 root=$(cd "$(dirname "${BASH_SOURCE[0]}")/../.." && pwd)
@@ -99,8 +98,8 @@ steps() {
   done
 }
 
-# All axes move unless the name of the figure excludes it: a bench of resting axes takes next to no
-# time.
+# All axes move unless the name of the figure excludes it, because a bench of resting axes takes
+# next to no time.
 status() {
   local axes
   for axes in 256 1024 2048; do
@@ -126,7 +125,7 @@ start() {
   measure_list 1024
 }
 
-# The time of `vdrive test` of the project's scenarios, in turns without and with DDS.
+# The time of `vdrive test` for the project's scenarios, in turn without and with DDS.
 measure_scenarios() {
   local over aim attempt begin end
   for ((attempt = 0; attempt < few_rounds; ++attempt)); do
@@ -169,9 +168,9 @@ lateness() {
   done
 }
 
-# What uses both processors runs without the spinners. Beside them a step takes 1 to 2 ms now and
-# then, a client of 4,096 axes missed 1.3 and 1.9 % of the ticks in two of three runs, and a call of
-# the tool took seconds; without them none.
+# Parts that use both processors run without the spinners. With them, a step occasionally took 1 to
+# 2 ms, a client of 4,096 axes missed 1.3 and 1.9 % of the ticks in two of three runs, and a call of
+# the tool took seconds; without them, none of this happened.
 run_part() {
   case $1 in
     steps | status | start | bench | python | canopen) "$1" ;;

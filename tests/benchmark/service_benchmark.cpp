@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// How much faster than time a free-running bench goes: drive time over wall time of its tick
-// thread on one core, all axes moving, the status taken away as the status thread would. Prints
-// one JSON line: the median of the repetitions.
+// How much faster than real time a free-running bench runs: drive time over wall time of its tick
+// thread on one core, with all axes moving and the status discarded as the status thread would do.
+// Prints one JSON line: the median of the repetitions.
 #include "moving_bench.hpp"
 
 #include <algorithm>

@@ -21,7 +21,7 @@
 
 namespace vdrive::test {
 
-/// A running vdrived on the domain of this test; ends with this object.
+/// A vdrived running on the domain of this test; the destructor ends it.
 class ServiceProcess {
  public:
   ServiceProcess(const std::string& program, std::vector<std::string> arguments) {
@@ -46,7 +46,7 @@ class ServiceProcess {
   ServiceProcess(const ServiceProcess&) = delete;
   ServiceProcess& operator=(const ServiceProcess&) = delete;
 
-  /// @return processor time of the process and all of its descendants so far [s].
+  /// @return the processor time of the process and all of its descendants so far [s].
   [[nodiscard]] double processor_seconds() const {
     std::map<pid_t, std::pair<pid_t, double>> processes;
     for (const auto& entry : std::filesystem::directory_iterator("/proc")) {

@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
-# For the scripts that measure. An idle virtual processor wakes up late and slow. One
-# spinner each keeps it awake; at idle priority it gives way to the benchmark at once.
+# For the scripts that measure. An idle virtual processor wakes up late and slowly. A spinner
+# on each keeps it awake; at idle priority it yields to the benchmark immediately.
 
 spinners=()
 

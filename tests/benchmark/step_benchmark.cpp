@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// One-tick steps of a lock-step bench by the client library: what python_figures.py compares with.
+// One-tick steps of a lock-step bench through the client library: the reference for
+// python_figures.py.
 //
 //   vdrive_step_benchmark DOMAIN STEPS     prints their median [us]
 #include <vdrive/client.hpp>

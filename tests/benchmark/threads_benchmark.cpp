@@ -1,13 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// The gain of a second thread that steps half of a bench: whole ticks of the engine with a status
-// image each, in alternating rounds with one thread and with two. Beside it in each round two
-// independent processes, each with half of the axes: the upper bound of the
-// machine. And the cost of the barrier between the threads.
+// The gain of a second thread that steps half of a bench: complete ticks of the engine with a
+// status image each, in alternating rounds with one thread and with two. In each round two
+// independent processes, each with half of the axes, show the upper bound of the machine. Also the
+// cost of the barrier between the threads.
 //
 //   vdrive_threads_benchmark [AXES [ROUNDS]]
 //
-// Prints JSON lines, medians of the rounds: {"figure":"threads_speedup","axes":16384,"value":...}.
+// Prints JSON lines with the medians of the rounds:
+// {"figure":"threads_speedup","axes":16384,"value":...}.
 #include "base/step_pool.hpp"
 #include "moving_bench.hpp"
 #include "support/signals.hpp"
@@ -58,7 +59,7 @@ void require(bool condition, const char* what) {
   if (!condition) throw std::runtime_error(what);
 }
 
-/// A process with a bench of its own, which ticks on request.
+/// A process with another bench that ticks on request.
 class Neighbour {
  public:
   explicit Neighbour(std::uint16_t axes) {
@@ -105,8 +106,8 @@ class Neighbour {
   pid_t process_ = 0;
 };
 
-/// The time that the threads of a pool need to begin and end a tick together: two threads with a
-/// block of eight axes each, less one thread with one block [us].
+/// @return the time that the threads of a pool need to begin and end a tick together [us]: two
+///         threads with a block of eight axes each, less one thread with one block.
 double barrier() {
   constexpr std::size_t kLanes = 8;
   constexpr int kTicks = 20'000;

@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
-// The time between a client and a bench: a given vdrived in a separate process.
+// The time between a client and a bench, which is a given vdrived in a separate process.
 //
 //   vdrive_wire_benchmark VDRIVED step|command|publish [argument of vdrived...]
 //
-// step     lock-step: one-tick steps, each waits for its reply
-// command  realtime: a command frame until the first status that shows it
-// publish  realtime: processor time of the service for each axis and published tick
+// step     lock-step: one-tick steps, each of which waits for its reply
+// command  realtime: from a command frame to the first status that shows it
+// publish  realtime: processor time of the service per axis and published tick
 //
-// Prints JSON lines: {"figure":"step_us_p50","value":...}. Two trees are compared by two programs
-// of the same arguments in alternating runs.
+// Prints JSON lines: {"figure":"step_us_p50","value":...}. To compare two trees, run the programs
+// of both with the same arguments in turn.
 #include "service_process.hpp"
 #include "support/test_domain.hpp"
 #include "vdrive/wire/participant.hpp"
@@ -53,7 +53,7 @@ class Client {
                      const std::lock_guard lock(mutex_);
                      reply_ = reply;
                    }
-                   changed_.notify_all();  // as in the bare program: the lock is free then
+                   changed_.notify_all();  // without the lock, as in the bare program
                  }),
         command_replies_(*participant_, [](const msg::CommandReply&, const wire::Source&) {}),
         descriptions_(*participant_,
@@ -170,7 +170,7 @@ void measure_commands(Client& client) {
   const std::uint32_t epoch = client.exchange(acquire).epoch;
   std::vector<double> times;
   for (std::uint64_t sequence = 1; sequence <= kCommands; ++sequence) {
-    // Anywhere between two ticks.
+    // At any point between two ticks.
     std::this_thread::sleep_for(std::chrono::microseconds(1'000 + sequence * 37 % 1'000));
     const auto sent = Clock::now();
     client.send(epoch, sequence);
