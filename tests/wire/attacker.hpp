@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A sender of datagrams that no participant sends.
+// Sends datagrams that no real participant would send.
 #pragma once
 
 #include "datagrams.hpp"
@@ -25,7 +25,8 @@ class Attacker {
   Attacker(const Attacker&) = delete;
   Attacker& operator=(const Attacker&) = delete;
 
-  /// @param port counted from the first of the domain: 10 metatraffic and 11 data of participant 0
+  /// @param port counted from the first port of the domain: 10 metatraffic and 11 data of
+  ///        participant 0
   void send(const Datagram& datagram, std::uint32_t port) const {
     sockaddr_in address{};
     address.sin_family = AF_INET;
@@ -45,15 +46,15 @@ class Attacker {
   int socket_;
 };
 
-/// Ends a Fast DDS participant without a guard by an assertion.
+/// Ends an unguarded Fast DDS participant by an assertion.
 inline Datagram statistics_with_more_behind(const GuidPrefix& sender) {
   Datagram datagram = DatagramWriter(sender).add(0x80, 1, Datagram(56)).bytes();
   datagram.resize(datagram.size() + 4);
   return datagram;
 }
 
-/// Makes a Fast DDS participant without a guard spin. It comes from the publications of a
-/// known participant: datagrams of another one are ignored.
+/// Makes an unguarded Fast DDS participant spin. The gap must come from the publications of a known
+/// participant, because those of others are ignored.
 inline Datagram gap_without_end(const GuidPrefix& sender) {
   const std::int64_t far = std::int64_t{1} << 36U;
   return DatagramWriter(sender)

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// For random values of every message type of our IDL files: Fast DDS reads our bytes and we read
-// its own, and both write the same ones. The second vendor: tests/vendor and tests/ros2.
+// For random values of every message type of our IDL files: Fast DDS reads our bytes, we read its
+// bytes, and both write the same ones. The second vendor is tested in tests/vendor and tests/ros2.
 #include "message_support.hpp"
 #include "ros_messages_description.hpp"
 #include "support/message_json.hpp"
@@ -61,7 +61,7 @@ using Types = testing::Types<
           diagnostic_msgs::msg::fast_msg::DiagnosticArray_>,
     OfRos<rcl_interfaces::msg::dds_::Log_, rcl_interfaces::msg::fast_msg::Log_>>;
 
-/// Random values: numbers with any bits, lengths from none to the bound.
+/// Fills a message with random values: numbers with any bits, lengths from zero to the bound.
 class Filler {
  public:
   explicit Filler(unsigned seed) : random_(seed) {}
@@ -79,7 +79,7 @@ class Filler {
     if constexpr (std::is_same_v<Number, bool>) {
       number = (random_() & 1U) != 0;
     } else if constexpr (std::is_same_v<Number, double>) {
-      number = static_cast<double>(static_cast<std::int64_t>(random_())) / 3.0;  // no NaN
+      number = static_cast<double>(static_cast<std::int64_t>(random_())) / 3.0;  // never NaN
     } else {
       number = static_cast<Number>(random_());
     }
@@ -249,7 +249,7 @@ TEST(BytesOfNumbers, AreAlignedEachToItsSize) {
   });
   EXPECT_EQ(bytes, sample_of({0,    1,    0, 0,              // CDR, little-endian
                               1,    0,    0, 0, 2, 0, 0, 0,  // three bytes of padding
-                              0xFD, 0xFF, 0, 0, 0, 0, 0, 0,  // six
+                              0xFD, 0xFF, 0, 0, 0, 0, 0, 0,  // six bytes of padding
                               4,    0,    0, 0, 0, 0, 0, 0}));
 }
 
@@ -306,7 +306,7 @@ TEST(BytesOfSequence, ThatClaimsMoreThanTheSampleHasTakeNoMemory) {
   sensor_msgs::msg::dds_::JointState_ state;
   Bytes bytes = written(state);
   bytes[bytes.size() - 4] =
-      std::byte{0xFF};  // the length of `effort`: 255 numbers that are not there
+      std::byte{0xFF};  // the length of `effort`: 255 numbers that are missing
   sensor_msgs::msg::dds_::JointState_ cut;
   CdrReader reader(bytes);
   reader.get(cut);

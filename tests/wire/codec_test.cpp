@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Encoder and decoder; bytes_test.cpp compares them with those of Fast DDS.
+// Encoder and decoder; bytes_test.cpp compares them with Fast DDS.
 #include "vdrive/wire/codec.hpp"
 
 #include "vdrive/wire/cdr.hpp"
@@ -79,7 +79,7 @@ TEST(StatusCodec, WritesNothingWithoutRoom) {
   EXPECT_EQ(bytes, Bytes(bytes.size(), std::byte{0x55}));
 }
 
-/// A frame of that many axes.
+/// @return a frame of `count` axes.
 Bytes status_frame(std::size_t count) {
   std::vector<AxisStatus> status;
   std::vector<Ownership> owners;
@@ -103,7 +103,7 @@ Bytes status_frame(std::size_t count) {
   return bytes;
 }
 
-/// Every member, through the message.
+/// @return the bytes of all members, encoded through the message.
 Bytes bytes_of(const ReceivedStatus& received) {
   msg::AxisStatus message;
   to_message(received.status, received.address, received.tick, received.owner, message);
@@ -213,7 +213,7 @@ TEST(CommandDecoder, ReadsMessagesOfBothByteOrders) {
   CommandDecoder decoder;
   msg::CommandFrame frame;
   msg::Request request;
-  // Larger and smaller in turn: a reading must not depend on the previous one.
+  // Alternately larger and smaller, because a reading must not depend on the previous one.
   for (const std::size_t size : {0U, 256U, 1U, 40U, 3U}) {
     const auto sent = make_frame(size, 3);
     EXPECT_EQ(decoder.decode(encoded(sent), frame), Decoding::good);

@@ -13,7 +13,7 @@ namespace {
 
 using namespace vdrive::literals;
 
-/// Member n has the value n + 1; the bits of no two are alike.
+/// Member n has the value n + 1, so all values differ.
 AxisStatus status_with_distinct_values() {
   AxisStatus status;
   std::int64_t value = 0;
@@ -21,7 +21,7 @@ AxisStatus status_with_distinct_values() {
   return status;
 }
 
-/// Members that are not on the network are 0 after the conversion.
+/// Members that are not transmitted must be 0 after the conversion.
 void expect_same(const AxisStatus& received, const AxisStatus& sent) {
   for (const StatusMember& member : status_members()) {
     EXPECT_EQ(member.value(received), member.is_published ? member.value(sent) : 0) << member.name;

@@ -78,12 +78,12 @@ Datagram discovery(const Datagram& list) {
   return single(0x15, body.raw({0, 3, 0, 0}).raw(list), kWithData);
 }
 
-/// The announcement of an endpoint with one parameter.
+/// @return the announcement of an endpoint with one parameter.
 Datagram endpoint(std::uint16_t id, const Body& value) {
   return discovery(Body().parameter(id, value.bytes()).u32(1).bytes());
 }
 
-/// @param length of the expression, as it is written
+/// @param length of the expression as encoded, right or wrong
 Datagram filtered_endpoint(std::uint32_t length, std::uint32_t parameters = 1) {
   Body body;
   for (const char name : {'t', 'u', 'c'}) {
@@ -102,7 +102,7 @@ constexpr std::int64_t kTooLarge = (std::int64_t{1} << 40U) + 1;
 std::vector<Case> cases() {
   const auto statistics = [](std::size_t size, std::size_t behind) {
     Datagram datagram = DatagramWriter(kSender).add(0x80, 0, Datagram(size)).bytes();
-    datagram[22] = 0;  // big endian by its flag
+    datagram[22] = 0;  // the flag says big-endian
     datagram[23] = static_cast<std::uint8_t>(size);
     datagram.resize(datagram.size() + behind);
     return datagram;
@@ -400,7 +400,7 @@ TEST(DatagramCheck, SurvivesEveryTruncation) {
   for (const auto& row : cases()) {
     const Datagram whole = row.make();
     for (std::size_t size = 0; size < whole.size(); ++size) {
-      // On the heap and no longer than this: a sanitizer sees each byte behind it.
+      // On the heap and exactly this long, so that a sanitizer detects any access beyond it.
       const Datagram part(whole.begin(), whole.begin() + static_cast<std::ptrdiff_t>(size));
       static_cast<void>(check_datagram(part));
     }
@@ -417,7 +417,7 @@ TEST(DatagramCheck, RemovesTheStatisticsOfFastDds) {
   EXPECT_EQ(report.length, without);
 }
 
-/// @return the announcement in a datagram of one submessage.
+/// @return the announcement in a datagram with one submessage.
 std::optional<Announcement> announcement_in(const Datagram& datagram) {
   Submessages submessages(datagram);
   Submessage submessage;
@@ -425,7 +425,7 @@ std::optional<Announcement> announcement_in(const Datagram& datagram) {
   return read_announcement(submessage, parse_data(submessage, 16));
 }
 
-/// @return the list of parameters in a datagram of one DATA submessage.
+/// @return the parameter list in a datagram with one DATA submessage.
 std::span<std::uint8_t> list_of(Datagram& datagram) {
   Submessages submessages(datagram);
   Submessage submessage;
@@ -455,7 +455,7 @@ TEST(Announcement, IsPassedToTheLibraryWithARaisedLease) {
   EXPECT_EQ(check_datagram(datagram).refusal, Refusal::none);
 }
 
-// A list that a program sends as its own data has passed no check: it may end anywhere.
+// A list that a program sends as its own data has not been checked, so it may end anywhere.
 TEST(Announcement, WithATruncatedListIsUnchanged) {
   for (const std::size_t length : {4U, 6U, 10U}) {
     Body body = data_to(0x07010000, 0x02010000, 1);  // a reader and a writer of a program
@@ -476,7 +476,7 @@ TEST(Announcement, OfADepartureNamesTheParticipant) {
   EXPECT_EQ(leaving->participant, kSender);
 }
 
-// Cyclone DDS names itself in the content, which the library does not read.
+// Cyclone DDS gives the key in the content, which the library does not read.
 TEST(Announcement, OfADepartureCanHaveItsKeyInTheContent) {
   Body body = data_to(test::kParticipantsReader, test::kParticipantsWriter, 2);
   body.parameter(0x71, {0, 0, 0, 3}).u32(1);

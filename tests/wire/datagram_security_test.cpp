@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The guard's check of what DDS Security sends in clear, without a network: one row for each field
-// of docs/explanation/guard.md.
+// The guard's check of the parts of DDS Security that are sent in clear, without a network: one row
+// for each field in docs/explanation/guard.md.
 #include "guard/datagram_check.hpp"
 #include "wire/datagrams.hpp"
 
@@ -34,21 +34,21 @@ struct SecureCase {
   Mode mode = Mode::open;
 };
 
-/// The parts of what is encrypted. Each is as the library sends it unless a test changes it.
+/// The parts of an encrypted message, as the library sends them unless a test changes one.
 struct Encrypted {
   Datagram prefix = Datagram(20, 0xAA);
-  Datagram body = Body().entity(5).raw(Datagram(8, 0xBB)).bytes();  // 5 bytes and 3 to fill up
+  Datagram body = Body().entity(5).raw(Datagram(8, 0xBB)).bytes();  // 5 bytes and 3 of padding
   Datagram postfix = Datagram(20);
   std::uint8_t endianness = 1;
 
-  /// A whole message.
+  /// A complete message.
   [[nodiscard]] DatagramWriter message() const {
     DatagramWriter writer(kMember);
     add(writer, {0x33, 0x30, 0x34});
     return writer;
   }
 
-  /// A submessage behind INFO_DST, as of the exchange of keys.
+  /// A submessage after INFO_DST, as in the exchange of keys.
   [[nodiscard]] DatagramWriter submessage() const {
     DatagramWriter writer(kMember);
     writer.add(0x0E, 1, Datagram(12));
@@ -65,7 +65,7 @@ struct Encrypted {
   }
 };
 
-/// Submessages of these kinds, each with the parts of Encrypted.
+/// @return submessages of these kinds, with the parts of Encrypted.
 Datagram in_order(std::initializer_list<std::uint8_t> kinds) {
   DatagramWriter writer(kMember);
   Encrypted().add(writer, kinds);
@@ -88,7 +88,7 @@ Body& text(Body& body, const std::string& letters) {
   return body.raw(Datagram(4 - letters.size() % 4));
 }
 
-/// A DataHolder with one property and one property that is bytes.
+/// @return a DataHolder with one text property and one binary property.
 Body token(const std::string& name, const Datagram& bytes) {
   Body body;
   text(body, "DDS:Auth:PKI-DH:1.0+Req").u32(1);
@@ -105,7 +105,7 @@ Datagram announcement_of(const Datagram& identity_token) {
   return DatagramWriter(kMember).add(0x15, kLittleData, body.bytes()).bytes();
 }
 
-/// @param tokens the number and the tokens of the message
+/// @param tokens the number of tokens, then the tokens of the message
 Datagram handshake_of(const Datagram& tokens, std::uint32_t reader = kHandshakeReader,
                       std::uint32_t writer = kHandshakeWriter) {
   Body body = data_to(reader, writer, 1);
@@ -117,7 +117,7 @@ Datagram handshake_with(const Body& its_token) {
   return handshake_of(Body().u32(1).raw(its_token.bytes()).bytes());
 }
 
-/// The first number that equals `from` becomes `to`.
+/// Replaces the first number that equals `from` by `to`.
 Datagram with_number(Datagram datagram, std::uint32_t from, std::uint32_t to) {
   const Datagram old_bytes = Body().u32(from).bytes();
   const Datagram new_bytes = Body().u32(to).bytes();
@@ -312,7 +312,7 @@ std::vector<SecureCase> token_cases() {
   const auto with_participant = [](const Datagram& list) {
     return handshake_with(token("c.pdata", list));
   };
-  const Datagram last = {0x00, 0x01, 0x00, 0x00};  // a sentinel, big endian
+  const Datagram last = {0x00, 0x01, 0x00, 0x00};  // a sentinel, big-endian
   return {
       {"Token", Refusal::none, identity},
       {"TokenOfATextTooLong", Refusal::parameters,
@@ -600,7 +600,7 @@ TEST(SecureDatagramCheck, SurvivesEveryTruncation) {
     for (const auto& row : rows) {
       const Datagram whole = row.make();
       for (std::size_t size = 0; size < whole.size(); ++size) {
-        // On the heap and no longer than this: a sanitizer sees each byte behind it.
+        // On the heap and exactly this long, so that a sanitizer detects any access beyond it.
         const Datagram part(whole.begin(), whole.begin() + static_cast<std::ptrdiff_t>(size));
         static_cast<void>(check_datagram(part, row.mode));
       }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Datagrams of RTPS for tests, byte by byte.
+// Builds RTPS datagrams for tests, byte by byte.
 #pragma once
 
 #include <array>
@@ -19,8 +19,8 @@ constexpr std::uint32_t kParticipantsReader = 0x000100C7;
 constexpr std::uint32_t kPublicationsWriter = 0x000003C2;
 constexpr std::uint32_t kPublicationsReader = 0x000003C7;
 
-/// Writes little-endian submessages one after the other, of Fast DDS unless another vendor is
-/// named.
+/// Writes little-endian submessages one after the other; the vendor is Fast DDS unless another is
+/// given.
 class DatagramWriter {
  public:
   explicit DatagramWriter(const GuidPrefix& sender, std::uint8_t vendor = 15) {
@@ -28,7 +28,7 @@ class DatagramWriter {
     bytes_.insert(bytes_.end(), sender.begin(), sender.end());
   }
 
-  /// @param length as it is written; the length of `body` unless given
+  /// @param length as encoded; by default the length of `body`
   DatagramWriter& add(std::uint8_t kind, std::uint8_t flags, const Datagram& body,
                       int length = -1) {
     const std::size_t written = length < 0 ? body.size() : static_cast<std::size_t>(length);
@@ -44,7 +44,7 @@ class DatagramWriter {
   Datagram bytes_;
 };
 
-/// Numbers in a body.
+/// Writes numbers to a body.
 class Body {
  public:
   Body& u16(std::uint32_t value) { return little(value, 2); }
@@ -68,7 +68,7 @@ class Body {
     return *this;
   }
 
-  /// A parameter with its value filled up to four bytes.
+  /// Adds a parameter, with its value padded to a multiple of four bytes.
   Body& parameter(std::uint16_t id, Datagram value) {
     value.resize((value.size() + 3) / 4 * 4);
     return u16(id).u16(static_cast<std::uint32_t>(value.size())).raw(value);
@@ -87,7 +87,7 @@ class Body {
   Datagram bytes_;
 };
 
-/// The start of DATA and DATA_FRAG.
+/// @return the start of DATA or DATA_FRAG.
 inline Body data_to(std::uint32_t reader, std::uint32_t writer, std::int64_t sequence,
                     std::uint32_t to_inline_qos = 16) {
   Body body;
@@ -99,7 +99,7 @@ inline Body gap(std::uint32_t reader, std::uint32_t writer, std::int64_t start, 
   return Body().entity(reader).entity(writer).sequence(start).sequence(base).u32(0);
 }
 
-/// A participant that sends, a writer of it, and a reader here.
+/// A participant that sends, one of its writers, and a reader on this side.
 constexpr GuidPrefix kSender{1, 15, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11};
 constexpr std::uint32_t kUserReader = 0x00000104;
 constexpr std::uint32_t kUserWriter = 0x00000203;
@@ -109,7 +109,7 @@ inline Body heartbeat(std::uint32_t reader, std::uint32_t writer, std::int64_t f
   return Body().entity(reader).entity(writer).sequence(first).sequence(last).u32(count);
 }
 
-/// @param words of the set, of which all bits are 0
+/// @param words of the bit set, all bits of which are 0
 inline Body acknack(std::uint32_t reader, std::uint32_t writer, std::int64_t base,
                     std::uint32_t bits = 0, std::size_t words = 0) {
   Body body;
@@ -118,14 +118,14 @@ inline Body acknack(std::uint32_t reader, std::uint32_t writer, std::int64_t bas
   return body.u32(1);
 }
 
-/// A GUID as the value of a parameter.
+/// @return a GUID as the value of a parameter.
 inline Datagram guid_of(const GuidPrefix& participant) {
   Datagram value(participant.begin(), participant.end());
   value.insert(value.end(), {0, 0, 1, 0xC1});
   return value;
 }
 
-/// The announcement of a participant.
+/// @return the announcement of a participant.
 inline Body announcement(const GuidPrefix& participant, const std::string& name,
                          std::uint32_t lease_seconds) {
   Body text;

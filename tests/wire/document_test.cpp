@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Clients in other languages are written from docs/reference/wire.md: its bytes are
-// those of the real encoder, and no constant or topic of the contract is left out.
+// Clients in other languages are written from docs/reference/wire.md: its bytes must be those of
+// the real encoder, and no constant or topic of the contract may be missing.
 #include "vdrive/event_kind.hpp"
 #include "vdrive/wire/codec.hpp"
 #include "vdrive/wire/request_kinds.hpp"
@@ -40,7 +40,7 @@ std::string page() {
   return read(VDRIVE_SOURCE_DIR "/docs/reference/wire.md");
 }
 
-/// A row of a block of bytes: "0044  3F 00   axes[0].ds402_controlword = 0x3F".
+/// A row of a byte block: "0044  3F 00   axes[0].ds402_controlword = 0x3F".
 struct Row {
   std::size_t offset = 0;
   Bytes bytes;
@@ -57,7 +57,7 @@ Bytes parse_bytes(const std::string& hex) {
   return bytes;
 }
 
-/// @return the rows below the title `message`, without that of the encapsulation.
+/// @return the rows below the title `message`, except that of the encapsulation.
 std::vector<Row> rows_of(const std::string& message) {
   std::istringstream text(page());
   std::string line;
@@ -75,7 +75,7 @@ std::vector<Row> rows_of(const std::string& message) {
   return rows;
 }
 
-/// Without the encapsulation.
+/// @return the bytes without the encapsulation.
 template <typename Message>
 Bytes encode(const Message& message) {
   std::vector<std::byte> sample(wire::encoded_size(message));
@@ -102,7 +102,7 @@ std::uint64_t little_endian(const Bytes& bytes) {
   return word;
 }
 
-/// Offsets follow each other, and each value agrees with its bytes.
+/// Expects offsets without gaps, and values that agree with their bytes.
 void expect_consistent(const std::vector<Row>& rows) {
   std::size_t offset = 0;
   for (const Row& row : rows) {
@@ -209,7 +209,7 @@ TEST(NetworkInterfacePage, HasARowForEveryTopic) {
   EXPECT_GE(topics, 10U);
 }
 
-/// @return the name of the constant: "EVENT_" and the name of its value in capital letters.
+/// @return the name of the constant: the prefix and the name of its value in capital letters.
 std::string constant_name(std::string_view prefix, std::string_view name) {
   std::string text(prefix);
   std::ranges::transform(name, std::back_inserter(text), [](unsigned char letter) {
@@ -218,7 +218,7 @@ std::string constant_name(std::string_view prefix, std::string_view name) {
   return text;
 }
 
-/// @return the names of the members in the order of the IDL, as a cell of the page has them.
+/// @return the names of the members in IDL order, as in a cell of the page.
 std::string cell_of(const wire::RequestMembers& members) {
   std::string text;
   wire::for_each_member<msg::Request>([&](const auto& member) {

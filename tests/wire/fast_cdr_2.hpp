@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What fastddsgen 2 and Fast CDR 1, those of Fast DDS 2, make of our IDL.
+// The code that fastddsgen 2 and Fast CDR 1, those of Fast DDS 2, generate from our IDL.
 #pragma once
 
 #include "fast_ros_messages.h"

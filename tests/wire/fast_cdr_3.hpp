@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What fastddsgen 4 and Fast CDR 2, those of Fast DDS 3, make of our IDL.
+// The code that fastddsgen 4 and Fast CDR 2, those of Fast DDS 3, generate from our IDL.
 #pragma once
 
 #include "fast_ros_messagesCdrAux.ipp"
@@ -47,7 +47,7 @@ struct SizesOfFastDds {
 template <typename FastMessage>
 inline constexpr SizesOfFastDds kSizesOfFastDds{};
 
-// The generator has constants with the type in their names.
+// The generator puts the type into the names of the constants.
 #define VDRIVE_SIZES(type)                                                                   \
   template <>                                                                                \
   inline constexpr SizesOfFastDds kSizesOfFastDds<fast_msg::type> {                          \
@@ -67,7 +67,7 @@ VDRIVE_SIZES(SessionName);
 VDRIVE_SIZES(BenchSession);
 #undef VDRIVE_SIZES
 
-/// The largest size of fastddsgen 4 is an upper bound: a sample ends up to 8 bytes before it.
+/// The largest size of fastddsgen 4 is an upper bound: a sample may be up to 8 bytes shorter.
 inline constexpr std::size_t kLargestExceedsBy = 8;
 
 template <typename FastMessage>
@@ -80,7 +80,7 @@ bool has_key_by_fast_dds() {
   return kSizesOfFastDds<FastMessage>.key != 0;
 }
 
-/// The generator makes a key of all members where there is none.
+/// If there is no key, the generator makes one of all members.
 template <typename FastMessage>
 void write_key_by_fast_dds(Cdr& cdr, const FastMessage& message) {
   if (has_key_by_fast_dds<FastMessage>()) eprosima::fastcdr::serialize_key(cdr, message);

@@ -30,7 +30,7 @@ Datagram of_the_participant() {
       .bytes();
 }
 
-/// Announces the endpoint writers of the sender; only who knows the sender reads it.
+/// Announces the endpoint writers of the sender. The library reads it only if it knows the sender.
 Datagram of_its_writers() {
   Body body;
   body.entity(test::kPublicationsReader).entity(test::kPublicationsWriter);
@@ -39,7 +39,7 @@ Datagram of_its_writers() {
       .bytes();
 }
 
-/// A channel whose receiver is the library.
+/// A channel whose receiver plays the library.
 class Channel final : public Guard::Receiver {
  public:
   Channel(Guard& guard, std::uint32_t port) : guard_(guard) {
@@ -47,7 +47,7 @@ class Channel final : public Guard::Receiver {
     guard_.open(locator_, this);
   }
 
-  /// Receives a datagram by this channel, in a separate thread.
+  /// Receives a datagram on this channel, in a separate thread.
   /// @return ready when the guard has handled it.
   [[nodiscard]] std::future<void> arrive(Datagram datagram) {
     return std::async(std::launch::async, [this, datagram = std::move(datagram)] {
@@ -57,7 +57,7 @@ class Channel final : public Guard::Receiver {
 
   void close() { guard_.close(locator_); }
 
-  /// Ready when the library has begun to read a datagram.
+  /// @return ready when the library has started to read a datagram.
   [[nodiscard]] std::future<void> read() { return read_.get_future(); }
 
   std::function<void()> while_reading = [] {};
@@ -86,7 +86,7 @@ TEST(ReceivedDatagram, WaitsUntilTheLibraryReads) {
   EXPECT_EQ(guard.counts().handed_over, 1U);
 }
 
-/// A participant that cannot be made closes its channels, and joins the threads that receive.
+/// When a participant cannot be created, it closes its channels and joins the receiving threads.
 TEST(ReceivedDatagram, DoesNotBlockAChannelThatClosesBeforeTheLibraryReads) {
   Guard guard({});
   Channel channel(guard, 1);

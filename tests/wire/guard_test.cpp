@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Guarded participants against datagrams that end, block or fill an unguarded one.
+// Guarded participants and datagrams that end, block or fill up an unguarded one.
 #include "attacker.hpp"
 #include "support/deadline.hpp"
 #include "support/effort.hpp"
@@ -49,13 +49,13 @@ using Clock = std::chrono::steady_clock;
 
 constexpr auto kDeadline = 40s;
 
-/// Repeats a check until it holds.
+/// Repeats a check until it is true.
 bool wait_until(const std::function<bool()>& is_so, std::chrono::milliseconds within = kDeadline,
                 std::chrono::microseconds period = 5ms) {
   const auto deadline = Clock::now() + within;
   while (!is_so()) {
     if (Clock::now() > deadline) {
-      // A shorter wait may be expected to end so.
+      // A shorter wait may be expected to time out.
       if (within == kDeadline) test::report_missed_deadline("the condition did not hold", within);
       return false;
     }
@@ -64,7 +64,7 @@ bool wait_until(const std::function<bool()>& is_so, std::chrono::milliseconds wi
   return true;
 }
 
-/// A participant in a process of its own.
+/// A participant in a separate process.
 class Visitor {
  public:
   explicit Visitor(const std::string& name, std::vector<std::string> words = {})
@@ -166,7 +166,7 @@ TEST(GuardedParticipant, CommunicatesThroughSharedMemory) {
   Visitor visitor("visitor", {"shared_memory"});
   EXPECT_TRUE(requester.is_answered());
   EXPECT_EQ(requester.participant->guard_counts().all_refused(), 0U);
-  // A process that is killed leaves its segment in /dev/shm; one that ends removes it.
+  // A killed process leaves its segment in /dev/shm; one that ends normally removes it.
   EXPECT_EQ(visitor.stop().code, 0);
 }
 
@@ -174,7 +174,8 @@ TEST(AClient, IgnoresOtherClients) {
   Visitor client("vdrive client", {"client"});
   Requester of_a_client(settings(Role::client));
   Requester of_another(settings());
-  // It answers everyone that it knows; both have received its announcement once the other answers.
+  // The client answers everyone that it knows; once the other requester is answered, both have
+  // received its announcement.
   ASSERT_TRUE(of_another.is_answered());
   EXPECT_TRUE(wait_until([&] {
     return of_a_client.participant->guard_counts().ignored > 0;
@@ -185,10 +186,10 @@ TEST(AClient, IgnoresOtherClients) {
 // ---- who is gone
 // ---------------------------------------------------------------------------------
 
-/// Sends datagrams until the first one arrives in a socket.
+/// Sends a datagram until it first arrives in a socket.
 class FirstToArrive {
  public:
-  /// @param port counted from the first of the domain
+  /// @param port counted from the first port of the domain
   explicit FirstToArrive(std::uint32_t port) : socket_(socket(AF_INET, SOCK_DGRAM, 0)) {
     sockaddr_in address{};
     address.sin_family = AF_INET;
@@ -202,8 +203,8 @@ class FirstToArrive {
   FirstToArrive(const FirstToArrive&) = delete;
   FirstToArrive& operator=(const FirstToArrive&) = delete;
 
-  /// On loopback the kernel reports at once that no socket has the port.
-  /// @return whether one arrived before the deadline.
+  /// On loopback the kernel reports immediately when no socket has the port.
+  /// @return whether the datagram arrived before the deadline.
   [[nodiscard]] bool send(const Datagram& datagram) const {
     return is_connected_ &&
            wait_until(
@@ -224,7 +225,7 @@ class FirstToArrive {
 // The sockets of a participant are open some milliseconds before the library reads from them.
 TEST(ParticipantUnderConstruction, ReadsDatagramsThatArrivedBefore) {
   constexpr GuidPrefix kEarly{1, 15, 'e', 'a', 'r', 'l', 'y', 0, 0, 0, 0, 1};
-  // It can be reached at 127.0.0.1, port 9.
+  // Its address is 127.0.0.1, port 9.
   const Datagram locator = Body().u32(1).u32(9).raw(Datagram(12)).raw({127, 0, 0, 1}).bytes();
   Datagram body = test::announcement(kEarly, "early", 600).bytes();
   body.resize(body.size() - 4);  // sentinel
@@ -282,7 +283,7 @@ TEST(PausedParticipant, IsFoundAgain) {
 
 TEST(AnnouncedEnd, RemovesADeadParticipantEverywhereAtOnce) {
   Requester requester;
-  // Foreign by its name: its own lease is 600 s.
+  // The name makes it foreign, so it has its own lease of 600 s.
   Visitor visitor("talker");
   ASSERT_TRUE(requester.is_answered());
   visitor.send(SIGKILL);
@@ -295,7 +296,7 @@ TEST(AnnouncedEnd, RemovesADeadParticipantEverywhereAtOnce) {
   EXPECT_LT(Clock::now() - begin, 1s);
 }
 
-// Each takes one of the 256 places that a participant has for others until it is judged.
+// Each takes one of the 256 places that a participant has for others until it is classified.
 TEST(AParticipant, ServesTheNextClientAfterAThousandKilledOnes) {
   const int deaths = test::number_of<int>({.usual = 60, .full = 60, .nightly = 1'000});
   Requester requester(settings(Role::service));
@@ -380,7 +381,7 @@ bool is_served(test::RawWriter& writer, Requester& listener, std::int64_t& numbe
       within);
 }
 
-// Fast DDS takes 0.3 us for each number before the first that it reads: for 10^9 five minutes.
+// Fast DDS takes 0.3 us for each number before the first that it reads: five minutes for 10^9.
 TEST(LateReader, BeginsAtThePresentOfItsWriter) {
   Visitor visitor("visitor");
   Requester listener;
@@ -388,7 +389,7 @@ TEST(LateReader, BeginsAtThePresentOfItsWriter) {
   test::RawWriter writer(kRawWriter);
   std::int64_t number = kSentBefore;
   EXPECT_TRUE(is_served(writer, listener, number, 1'001));
-  // What the library acknowledges or asks for stays with this writer.
+  // The library's acknowledgements and requests must still refer to this writer.
   EXPECT_TRUE(is_served(writer, listener, number, 1'002));
   EXPECT_TRUE(listener.is_answered());
   EXPECT_EQ(visitor.stop().code, 0);
@@ -435,7 +436,7 @@ TEST(GuardSink, ReceivesReasonAndSender) {
 
 // ---- mutations of real datagrams ----------------------------------------------------------------
 
-/// Recorded datagrams of participants, with these prefixes for sender and receiver.
+/// Recorded datagrams of participants, with these prefixes for the sender and the receiver.
 constexpr GuidPrefix kKeptSender{1, 15, 'A', 'A', 'A', 'A', 'A', 'A', 'A', 'A', 'A', 'A'};
 constexpr GuidPrefix kKeptReceiver{1, 15, 'B', 'B', 'B', 'B', 'B', 'B', 'B', 'B', 'B', 'B'};
 
@@ -480,7 +481,7 @@ class Mutator {
  private:
   std::size_t below(std::size_t bound) { return random_() % bound; }
 
-  /// @return the offset of one of the submessages.
+  /// @return the offset of a random submessage.
   std::size_t submessage(const Datagram& datagram) {
     std::vector<std::size_t> offsets;
     for (std::size_t offset = 20; offset + 4 <= datagram.size();) {
@@ -522,7 +523,7 @@ class Mutator {
     }
   }
 
-  /// Ends a submessage early, with a length that agrees: the remaining bytes are parsed.
+  /// Ends a submessage early with a consistent length, so that its remaining bytes are parsed.
   static void end_at(Datagram& datagram, std::size_t place, std::size_t size) {
     datagram.resize(size);
     datagram[place + 2] = 0;
@@ -575,14 +576,14 @@ TEST(GuardedParticipant, SurvivesMutatedDatagrams) {
   ASSERT_TRUE(known.is_answered());
   Mutator mutator(1, kept_datagrams(known.participant->source().participant, visitor.prefix()));
   const Attacker attacker;
-  // The sockets hold some hundred datagrams: a short rest lets the visitor read them. What it has
-  // read is printed at the end; a socket that is full drops the others.
+  // The sockets hold some hundred datagrams, so a short pause lets the visitor read them. It prints
+  // at the end how many it has read; a full socket drops the others.
   for (std::uint64_t number = 0; number < count; ++number) {
     attacker.send(mutator.next(), number % 3 == 0 ? 11 : 10);
     if (number % 64 == 0) std::this_thread::sleep_for(1ms);
   }
   Requester late;
-  // On a busy machine the visitor first reads what its sockets still hold, some 20,000 datagrams.
+  // On a busy machine the visitor first reads the datagrams still in its sockets, some 20,000.
   EXPECT_TRUE(late.is_answered(60s)) << "no new participant is found";
   const test::Finished finished = visitor.stop();
   EXPECT_EQ(finished.code, 0) << finished.errors;

@@ -25,7 +25,7 @@ rtps::Locator_t locator(const std::string& address, std::uint32_t port) {
   return made;
 }
 
-/// Names that lead where `zone` says.
+/// Names that resolve to the addresses in `zone`.
 struct Zone {
   std::map<std::string, HostNames::Addresses> zone;
   HostNames names{[this](const std::string& name) {
@@ -34,7 +34,7 @@ struct Zone {
                                : HostNames::Answer{.addresses = found->second, .problem = {}};
   }};
 
-  /// Where a datagram goes, such as "10.0.0.1:7410".
+  /// @return the destinations of a datagram, such as "10.0.0.1:7410".
   [[nodiscard]] std::vector<std::string> leads(const std::string& address,
                                                std::uint32_t port) const {
     std::vector<std::string> texts;
@@ -94,7 +94,7 @@ TEST(HostNames, LeadFromTheFormerAddressOfAServerToThePresentOne) {
   hosts.names.look_up();
   EXPECT_THAT(hosts.leads(stand_in, 11811), ElementsAre("10.0.0.8:11811"));
   EXPECT_THAT(hosts.leads("10.0.0.7", 11811), ElementsAre("10.0.0.8:11811"));
-  // Another program may have that address by now.
+  // Another program may now have that address.
   EXPECT_THAT(hosts.leads("10.0.0.7", 7410), ElementsAre("10.0.0.7:7410"));
   hosts.zone["discovery"] = {"10.0.0.7"};
   hosts.names.look_up();
@@ -125,7 +125,7 @@ TEST(HostNames, OfHostsAreReadAsThatFileIsWritten) {
 }
 
 TEST(HostNames, OfTheSystemHaveAddressesOrAReason) {
-  // RFC 6761: localhost is a loopback address, and no name under "invalid." exists.
+  // RFC 6761: localhost is a loopback address, and names under "invalid." do not exist.
   EXPECT_THAT(HostNames::system_answer("localhost").addresses, testing::Contains("127.0.0.1"));
   const HostNames::Answer none = HostNames::system_answer("nobody.invalid");
   EXPECT_THAT(none.addresses, IsEmpty());
@@ -160,7 +160,7 @@ TEST(Addresses, OfAnInterfaceAreFoundByItsNameAndByItself) {
                                       {"eth1", "10.1.0.1", false}};
   EXPECT_THAT(addresses_of("eth0", own), ElementsAre("10.0.0.1", "10.0.0.2"));
   EXPECT_THAT(addresses_of("10.0.0.2", own), ElementsAre("10.0.0.2"));
-  EXPECT_THAT(addresses_of("eth1", own), IsEmpty());  // it is down
+  EXPECT_THAT(addresses_of("eth1", own), IsEmpty());  // the interface is down
   EXPECT_THAT(addresses_of("eth2", own), IsEmpty());
 }
 

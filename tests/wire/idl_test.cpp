@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The contract mirrors the dictionary: the IDL has the manual's objects.
+// The contract mirrors the object dictionary: the IDL has the objects of the manual.
 #include "vdrive/dictionary/dictionary.hpp"
 #include "vdrive/event_kind.hpp"
 #include "vdrive/wire/conversion.hpp"
@@ -126,7 +126,7 @@ TEST(Idl, UsesOnlyConstructsThatTwoVendorsReadTheSame) {
   EXPECT_GT(structures, 10U);
 }
 
-/// @return the first group of each match, with the second one.
+/// @return the first group of each match, mapped to the second.
 std::map<std::string, std::string> found(const std::string& text, const char* pattern) {
   std::map<std::string, std::string> all;
   const std::regex search(pattern);
@@ -136,13 +136,13 @@ std::map<std::string, std::string> found(const std::string& text, const char* pa
   return all;
 }
 
-/// Without the annotations that change no byte.
+/// @return the structs without annotations that affect no byte.
 std::map<std::string, std::string> structs_of(const std::string& idl) {
   return found(std::regex_replace(idl, std::regex("@(?!key|final)\\w+(\\([^)]*\\))?"), ""),
                "struct (\\w+) \\{([^}]*)\\}");
 }
 
-// Plain CDR cannot add or omit a member (docs/reference/compatibility.md).
+// Plain CDR allows no member to be added or removed (docs/reference/compatibility.md).
 TEST(IdlOf1_0, HasEveryStructUnchanged) {
   const auto now = structs_of(idl_text());
   const auto kept = structs_of(idl_text("/tests/data/kept/1.0/vdrive_messages.idl"));

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The local bus behind the interfaces of publications and subscriptions.
+// The local bus, used through publications and subscriptions.
 #include "vdrive/wire/local_bus.hpp"
 
 #include "vdrive/wire/codec.hpp"
@@ -85,7 +85,7 @@ TEST_F(LocalBusTest, MatchesAtOnceAndNoMoreAfterTheEnd) {
   EXPECT_THAT(seen, ElementsAre(1, 0));
 }
 
-/// Events: 1,024 of each bench; descriptions: the newest of each part.
+/// The bus keeps 1,024 events of each bench, and the newest description of each part.
 TEST_F(LocalBusTest, KeepsForLaterSubscriptionsWhatTheTopicKeeps) {
   const auto sender = join("sender");
   Publication<msg::Event> events(*sender);
@@ -111,8 +111,8 @@ TEST_F(LocalBusTest, KeepsForLaterSubscriptionsWhatTheTopicKeeps) {
   EXPECT_EQ(received, 0U);
 }
 
-// The bytes between the two members of the key are no part of it: a sender may leave anything
-// there.
+// The padding between the two members of the key does not belong to it; a sender may leave any
+// bytes there.
 TEST_F(LocalBusTest, KeepsOneNameOfASessionWhateverStandsInThePadding) {
   msg::SessionName name;
   name.bench = 1;
@@ -122,7 +122,7 @@ TEST_F(LocalBusTest, KeepsOneNameOfASessionWhateverStandsInThePadding) {
   const auto sender = join("sender");
   const auto names = sender->make_writer(Topic<msg::SessionName>::kId);
   EXPECT_TRUE(names->write(sample));
-  sample[8] = std::byte{0xFF};  // encapsulation and bench take eight bytes
+  sample[8] = std::byte{0xFF};  // encapsulation and bench number take eight bytes
   EXPECT_TRUE(names->write(sample));
   const auto late = join("late");
   std::size_t received = 0;
@@ -251,7 +251,7 @@ TEST_F(LocalBusTest, MakesRoomByTheWorkOfTheBench) {
   EXPECT_EQ(rounds, 2) << "where there is room, nothing is done";
 }
 
-// A thread works for one bench; the other ones come and go.
+// A thread works for one bench while others are created and destroyed.
 TEST_F(LocalBusTest, LetsABenchEndWhileAThreadWorksForAnotherOne) {
   const auto client = join("vdrive client", Role::client);
   std::promise<void> begun;
@@ -278,7 +278,7 @@ TEST_F(LocalBusTest, LetsABenchEndWhileAThreadWorksForAnotherOne) {
   worker.join();
 }
 
-// More senders than one reader can follow: one of them always delivers.
+// More senders than one reader can keep up with, so that one of them is always delivering.
 TEST_F(LocalBusTest, LetsASubscriptionJoinWhileSamplesAreDeliveredWithoutAPause) {
   constexpr int kSenders = 4;
   const auto receiver = join("receiver");

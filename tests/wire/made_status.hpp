@@ -8,7 +8,7 @@
 
 namespace vdrive::test {
 
-/// @return a status with another value in every member.
+/// @return a status with a different value in every member.
 inline AxisStatus make_status(unsigned seed) {
   std::minstd_rand random(seed + 1);
   AxisStatus status;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Who is there, where the age of samples shows it. What a local bus knows: local_bus_test.
+// Presence as shown by the age of samples. Presence on a local bus is tested in local_bus_test.
 #include "vdrive/wire/presence_by_age.hpp"
 
 #include <gmock/gmock.h>
@@ -76,7 +76,7 @@ TEST_F(PresenceByAgeTest, APauseOfThisProgramIsNoSilence) {
   EXPECT_EQ(later - after, PresenceByAge::kLongestGap) << "while it runs, time passes";
 }
 
-// Others remove it after 2.5 s.
+// Others remove a silent program after 2.5 s.
 TEST_F(PresenceByAgeTest, AllowsOthersTheTimeToFindAProgramThatTheyHaveRemoved) {
   EXPECT_FALSE(sut_.is_excused(sut_.running_time(kBegin + 2s))) << "they still know it";
   const auto found = sut_.running_time(kBegin + 5s);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A reliable writer made of datagrams: it begins with any number.
+// A reliable writer made of datagrams, which may begin with any sequence number.
 #pragma once
 
 #include "attacker.hpp"
@@ -15,8 +15,8 @@
 
 namespace vdrive::test {
 
-/// A participant of the test's domain that has one writer of requests. It reads nothing: whoever
-/// misses a datagram gets the next ones.
+/// A participant in the test's domain with one writer of requests. It reads nothing, so a reader
+/// that misses a datagram gets only the next ones.
 class RawWriter {
  public:
   static constexpr std::uint32_t kEntity = 0x00000103;  // a writer of a topic without keys
@@ -29,7 +29,7 @@ class RawWriter {
     participant.raw(without_sentinel(announcement(prefix_, "raw writer", 600)))
         .parameter(0x32, locator())
         .parameter(0x31, locator())
-        .parameter(0x58, Body().u32(0b101).bytes())  // it announces itself and writers
+        .parameter(0x58, Body().u32(0b101).bytes())  // it announces itself and its writers
         .u32(1);
     network_.send_to_discovery(DatagramWriter(prefix_).add(0x15, 5, participant.bytes()).bytes());
     Body guid;
@@ -49,7 +49,7 @@ class RawWriter {
                                    .bytes());
   }
 
-  /// Sends the heartbeat of a history with one request, and the request.
+  /// Sends a request, after a heartbeat of a history that holds only this request.
   void send(std::int64_t number, std::uint64_t request_id) {
     msg::Request request;
     request.request_id = request_id;
@@ -61,7 +61,7 @@ class RawWriter {
                      .bytes());
   }
 
-  /// Sends the heartbeat of a history with one sample.
+  /// Sends the heartbeat of a history that holds one sample.
   void send_heartbeat(std::int64_t number, std::uint32_t count) const {
     send_to_data(DatagramWriter(prefix_)
                      .add(0x07, 3, heartbeat(0, kEntity, number, number, count).bytes())
@@ -77,7 +77,7 @@ class RawWriter {
         .bytes();
   }
 
-  /// 127.0.0.1, port 9: nobody reads what is sent there.
+  /// 127.0.0.1, port 9, where nobody listens.
   static Datagram locator() {
     return Body().u32(1).u32(9).raw(Datagram(12)).raw({127, 0, 0, 1}).bytes();
   }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Our own encoder and decoder of replies against the generated ones of the IDL.
+// Our own encoder and decoder of replies, compared with those generated from the IDL.
 #include "vdrive/wire/reply.hpp"
 
 #include "vdrive/wire/codec.hpp"
@@ -64,8 +64,8 @@ std::vector<ShownAxis> make_axes(std::size_t count) {
   return axes;
 }
 
-/// An object takes 24 bytes, and the axes follow a number of 4 bytes: they begin at a multiple of 8
-/// or beside one, depending on what stands before.
+/// An object takes 24 bytes and the axes follow a 4-byte number, so whether they begin at a
+/// multiple of 8 depends on the bytes before them.
 TEST(ReplyCodec, WritesTheBytesOfTheGeneratedEncoder) {
   for (std::size_t objects = 0; objects <= 3; ++objects) {
     for (std::size_t count = 0; count <= 4; ++count) {

@@ -8,7 +8,7 @@
 namespace vdrive::wire {
 namespace {
 
-// Of the server with id 0: get_server_client_default_guidPrefix of Fast DDS 2.9.
+// The prefix of the server with id 0: get_server_client_default_guidPrefix of Fast DDS 2.9.
 constexpr GuidPrefix kServer{'D', 'S', 0, 0x5F, 'E', 'P', 'R', 'O', 'S', 'I', 'M', 'A'};
 constexpr GuidPrefix kProgram{1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12};
 
@@ -54,7 +54,7 @@ TEST_F(AReturnedServer, IsHeldBackUntilTheFormerOneIsRemoved) {
   EXPECT_FALSE(holds_back(heartbeat_of(kServer, 40)));
   wait();
   EXPECT_TRUE(holds_back(heartbeat_of(kServer, 2)));
-  EXPECT_TRUE(holds_back(heartbeat_of(kServer, 41)));  // all of it, whatever it counts by now
+  EXPECT_TRUE(holds_back(heartbeat_of(kServer, 41)));  // all of it, whatever its count is now
   servers.removed(kServer);
   EXPECT_FALSE(holds_back(heartbeat_of(kServer, 42)));
 }
@@ -71,7 +71,7 @@ TEST_F(AReturnedServer, IsNoneWhoseDatagramsOvertakeEachOther) {
   EXPECT_FALSE(holds_back(heartbeat_of(kServer, 40)));
   EXPECT_FALSE(holds_back(heartbeat_of(kServer, 1)));
   wait();
-  EXPECT_FALSE(holds_back(heartbeat_of(kServer, 40)));  // the same one by another interface
+  EXPECT_FALSE(holds_back(heartbeat_of(kServer, 40)));  // the same server on another interface
 }
 
 TEST_F(AReturnedServer, IsNoOtherProgramAndNoOtherWriter) {

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
-# Runs fastddsgen on one file, with another name for the module of its types. The generator reports some
-# failures with exit code 0 and leaves half-written files, so its output decides; it also writes to
-# the system's shared temporary directory unless another one is given, where two builds of the same file
-# would collide.
+# Runs fastddsgen on one file, with another name for the module of its types. The generator reports
+# some failures with exit code 0 and leaves half-written files, so its output is checked. By default
+# it also writes to the system's shared temporary directory, where two builds of the same file would
+# collide.
 cmake_minimum_required(VERSION 3.25)
 
 cmake_path(GET IDL FILENAME name)

@@ -39,7 +39,7 @@ struct ASilentReader : testing::Test {
                       .bytes());
   }
 
-  /// Looks every 100 ms. @return what was due in that time
+  /// Checks every 100 ms. @return the acknowledgements that became due in that time
   std::vector<SilentReaders<int>::Acknowledgement> after(std::chrono::milliseconds time) {
     std::vector<SilentReaders<int>::Acknowledgement> due;
     for (auto gone = 0ms; gone < time; gone += 100ms) {
@@ -53,13 +53,13 @@ struct ASilentReader : testing::Test {
 TEST_F(ASilentReader, IsAcknowledgedForWhenItOwesAnAnswerForTooLong) {
   acknowledges(5);
   sends_up_to(9);
-  // The first look notes the debt.
+  // The first check notes the debt.
   EXPECT_THAT(after(kPatienceWithVdrive), IsEmpty());
   const auto due = after(100ms);
   ASSERT_THAT(due, SizeIs(1));
   EXPECT_EQ(due[0].channel, 7);
   EXPECT_EQ(check_datagram(due[0].datagram, Mode::open).refusal, Refusal::none);
-  // As the reader would have written it: up to 9, and its count after the last one, which was 1.
+  // As the reader would have written it: all up to 9, and a count that follows its last one, 1.
   test::Body words;
   words.entity(kUserReader).entity(kUserWriter).sequence(10).u32(0).u32(2);
   EXPECT_EQ(due[0].datagram, test::DatagramWriter(kSender).add(0x06, 3, words.bytes()).bytes());

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What stands beside the rows of the topics, compared with them.
+// The rows of the topics, compared with everything that repeats them.
 #include "vdrive/wire/codec.hpp"
 #include "vdrive/wire/topics.hpp"
 
@@ -49,7 +49,7 @@ TEST(TopicRows, HaveNamesOfTheirOwn) {
   EXPECT_EQ(names.size(), kTopics.size());
 }
 
-// A topic of version 1 keeps its name and type; further ones may come, each one optional.
+// A topic of version 1 keeps its name and type. More topics may be added, each of them optional.
 TEST(TopicRows, HaveThoseOf1_0WithTheirTypes) {
   const std::map<std::string, std::string> kept{{"axis", "AxisStatus"},
                                                 {"bench", "BenchDescription"},
@@ -94,7 +94,8 @@ TEST(TopicRows, HaveTheirBenchWhereTheSampleHasIt) {
   });
 }
 
-/// make_member.sh gives each role its topics by this list; tests/security has members of each role.
+/// make_member.sh uses this list to give each role its topics; tests/security has members of each
+/// role.
 TEST(Permissions, NameEveryTopicWithThePublisherOfItsRow) {
   std::map<std::string, std::string> rows;
   for (const TopicTraits& topic : kTopics) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Real participants on loopback, in a domain of their own.
+// Real participants on loopback, in a separate domain.
 #include "vdrive/wire/topics.hpp"
 
 #include "support/test_domain.hpp"
@@ -110,8 +110,8 @@ TYPED_TEST(EveryTopic, CarriesItsMessageToAnotherParticipant) {
   EXPECT_TRUE(subscription.wait_for_match(received.source(), 0ms));
 }
 
-// The library keeps some samples for good that were acknowledged while a reader joined. A later
-// reader got a gap of all numbers since then, and a guard refuses one that is wider than 65,536.
+// The library permanently keeps some samples that were acknowledged while a reader joined. A later
+// reader then gets a gap over all numbers since, and a guard refuses gaps wider than 65,536.
 TEST(LateReader, GetsTheNextReplyOfAWriterThatSentManyWhileOthersJoined) {
   constexpr std::uint64_t kReplies = 70'000;
   constexpr int kJoins = 60;
@@ -135,8 +135,8 @@ TEST(LateReader, GetsTheNextReplyOfAWriterThatSentManyWhileOthersJoined) {
   while (!joined || sent < kReplies) {
     EXPECT_TRUE(replies.write(reply));
     ++sent;
-    // As clients ask: one reply after the other while others join. A full history would lose its
-    // oldest sample, so it never fills.
+    // Like clients that ask while others join: one reply after the other. A full history would lose
+    // its oldest sample, so it must never fill up.
     if (!joined || sent % 512 == 0) {
       EXPECT_TRUE(replies.wait_for_acknowledged(kPatience));
     }
@@ -159,7 +159,7 @@ TEST(Participant, KnowsOtherParticipantsByTheBeginningOfTheirNames) {
   with_place.place = "process 30 on a host";
   const auto second = make_participant(with_place, "vdrived 30");
   const auto third = make_participant(settings(), "other vdrived");
-  // Participants are known before their writers are: each has one that matches.
+  // Participants are discovered before their writers, so wait until each has a writer that matches.
   Subscription<msg::BenchState> reader(*sut, [](const msg::BenchState&, const Source&) {});
   const Publication<msg::BenchState> of_first(*first);
   const Publication<msg::BenchState> of_second(*second);
@@ -205,7 +205,7 @@ TEST(Participant, RefusesAnInvalidAddress) {
 
 TEST(Participant, RefusesAnAddressThatNoInterfaceHas) {
   try {
-    // 192.0.2.0/24 is for documentation (RFC 5737): no machine has it.
+    // 192.0.2.0/24 is reserved for documentation (RFC 5737), so no machine has it.
     const auto participant = make_participant({.domain = 1, .interfaces = {"192.0.2.1"}}, "test");
     FAIL() << "an interface that is not there was accepted";
   } catch (const NetworkError& error) {
@@ -231,7 +231,7 @@ int largest_receive_buffer() {
   return largest;
 }
 
-// socket(7): the kernel doubles the requested size, after it clamped it to the limit.
+// socket(7): the kernel doubles the requested size after clamping it to the limit.
 TEST(Participant, UsesTheReceiveBufferThatTheKernelPermits) {
   std::ifstream file("/proc/sys/net/core/rmem_max");
   int limit = 0;
@@ -288,7 +288,7 @@ TEST(Subscription, ReceivesMessagesAboveTheSizeOfADatagram) {
   Subscription<msg::CommandFrame> subscription(*receiver, received.handler());
   ASSERT_TRUE(publication.wait_for_matched(1, kPatience));
   ASSERT_TRUE(subscription.wait_for_matched(1, kPatience));
-  msg::CommandFrame frame;  // 256 axes with 8 objects each, 42 kB: the longest message there is
+  msg::CommandFrame frame;  // 256 axes with 8 objects each, 42 kB: the longest possible message
   frame.axes.resize(msg::MAX_AXES_PER_FRAME);
   for (auto& axis : frame.axes) axis.objects.resize(msg::MAX_OBJECTS_PER_AXIS);
   ASSERT_TRUE(publication.write(frame));

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-// A participant in a process of its own, which tests may kill, stop and attack. It answers requests
-// until SIGTERM, and then prints what its guard has done.
+// A participant in a separate process, which tests may kill, stop and attack. It answers requests
+// until SIGTERM and then prints the counts of its guard.
 //
 //   wire_visitor DOMAIN NAME [unguarded] [client] [request] [shared_memory] [security=DIR]
 //
 // It prints "ready" and its prefix in hexadecimal. With `request` it sends requests instead, one
-// after the other, and prints "answered" after the first.
+// after the other, and prints "answered" after the first reply.
 #include "vdrive/wire/participant.hpp"
 #include "vdrive/wire/publication.hpp"
 #include "vdrive/wire/subscription.hpp"
@@ -27,7 +27,7 @@ namespace {
 
 using namespace std::chrono_literals;
 
-/// Passes messages from the library's thread to the main one: a listener must not write.
+/// Passes messages from the library's thread to the main thread, because a listener must not write.
 template <typename Message>
 class Arrived {
  public:

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Which sequence numbers of a writer the library may read, and which ones it reads instead.
+// Which sequence numbers of a writer the library may read, and which numbers replace them.
 #include "guard/writer_numbers.hpp"
 
 #include "wire/datagrams.hpp"
@@ -44,12 +44,12 @@ Part heartbeat(std::int64_t first, std::int64_t last, std::uint32_t writer = kWr
   return {0x07, test::heartbeat(kReader, writer, first, last)};
 }
 
-/// A GAP without bits in its set.
+/// @return a GAP whose bit set is empty.
 Part gap(std::int64_t start, std::int64_t base) {
   return {0x08, test::gap(kReader, kWriter, start, base)};
 }
 
-/// A GAP of its set alone, whose last bit stands for `last`.
+/// @return a GAP that consists of its bit set, the last bit of which is `last`.
 Part set_up_to(std::int64_t last) {
   Body body;
   body.entity(kReader).entity(kWriter).sequence(last - 31).sequence(last - 31).u32(32).u32(~0U);
@@ -77,7 +77,7 @@ Part for_the_sender() {
   return {0x0E, Body().raw({kSender.begin(), kSender.end()})};
 }
 
-/// The numbers with a participant that the library knows.
+/// WriterNumbers for a participant that the library knows.
 class Numbers {
  public:
   Numbers() { numbers_.found(kSender); }
@@ -102,7 +102,7 @@ class Numbers {
     return report.is_renumbered ? changed_ : of(parts);
   }
 
-  /// @return the datagram as it leaves.
+  /// @return the datagram as it is sent.
   Datagram sent(const std::vector<Part>& parts) {
     changed_.clear();
     const Datagram datagram = of(parts, kAnother);
@@ -122,7 +122,7 @@ class Numbers {
 
 struct Field {
   const char* name;
-  std::int64_t largest;  ///< after a writer that has sent 100 samples, all acknowledged
+  std::int64_t largest;  ///< from a writer that has sent 100 samples, all acknowledged
   std::function<Part(std::int64_t)> part;
 };
 
@@ -142,7 +142,7 @@ TEST_P(NumberOfAWriter, IsRefusedBeyondTheReachOfWhatItHasSent) {
 
 INSTANTIATE_TEST_SUITE_P(Fields, NumberOfAWriter,
                          testing::Values(
-                             // 101 to 65,636 are skipped.
+                             // 101 to 65,636 would be skipped.
                              Field{"FirstOfAHeartbeat", 101 + kReach,
                                    [](std::int64_t number) {
                                      return heartbeat(number, number - 1);
@@ -171,7 +171,7 @@ INSTANTIATE_TEST_SUITE_P(Fields, NumberOfAWriter,
 
 TEST(Heartbeat, SkipsNoMoreThanTheReachOfWhatIsAcknowledged) {
   Numbers numbers;
-  // A writer whose oldest sample is its first.
+  // The oldest sample of this writer is its first.
   numbers.take({heartbeat(1, 1'000'000)});
   EXPECT_EQ(numbers.refusal_of(heartbeat(999'000, 1'000'000)), Refusal::jump);
   numbers.sent({for_the_sender(), acknack(999'000)});
@@ -199,7 +199,7 @@ TEST(SkippedNumbers, AreLimitedInASecond) {
     first += kReach;
     ++accepted;
   }
-  // The limit of four times the reach is compared before each.
+  // The limit of four times the reach is checked before each skip.
   EXPECT_EQ(accepted, 5);
   EXPECT_EQ(numbers.refusal_of(heartbeat(first + kReach, first + kReach - 1)), Refusal::range);
   EXPECT_EQ(numbers.refusal_of(heartbeat(first + kReach, first + kReach - 1), 1s), Refusal::none);
@@ -223,7 +223,7 @@ TEST(WriterOfDiscovery, BeginsNearItsFirstSample) {
   EXPECT_EQ(numbers.refusal_of(data(kMost + kReach + 1, test::kPublicationsWriter)), Refusal::jump);
 }
 
-// The end of a participant, which the guard itself makes, has number 2^31 - 1.
+// The end of a participant, as the guard itself announces it, has number 2^31 - 1.
 TEST(AnnouncementOfAParticipant, MayHaveAnyNumber) {
   Numbers numbers;
   EXPECT_EQ(numbers.refusal_of(data(1, test::kParticipantsWriter)), Refusal::none);
@@ -247,7 +247,7 @@ TEST(Participant, HasALimitedNumberOfWriters) {
   EXPECT_EQ(numbers.refusal_of(heartbeat(1, 1, 3)), Refusal::none);
 }
 
-// The library ignores its writers as well.
+// The library ignores the writers of such a participant as well.
 TEST(Participant, ThatTheLibraryDoesNotKnowIsNotFollowed) {
   Numbers numbers;
   const Datagram datagram = of({heartbeat(kFar, kFar)}, kAnother);
@@ -292,13 +292,13 @@ TEST(WriterThatIsHeardLate, IsAnsweredWithItsOwnNumbers) {
   // 0 asks for a first heartbeat.
   EXPECT_EQ(numbers.sent({for_the_sender(), acknack(0)}),
             of({for_the_sender(), acknack(0)}, kAnother));
-  // The same entity of another participant is another writer.
+  // The same entity id of another participant is another writer.
   EXPECT_EQ(numbers.sent({acknack(2)}), of({acknack(2)}, kAnother));
 }
 
 TEST(WriterThatIsHeardLate, MayBeBigEndian) {
   Numbers numbers;
-  // High half, low half: 2^32 + 256 and 2^32 + 511.
+  // High half, then low half: 2^32 + 256 and 2^32 + 511.
   const Datagram first{0, 0, 0, 1, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 1, 255};
   const Datagram read{0, 0, 0, 0, 0, 0, 0, 1, 0, 0, 0, 0, 0, 0, 1, 0};
   const auto datagram = [](const Datagram& range) {
@@ -312,14 +312,14 @@ TEST(WriterThatIsHeardLate, MayBeBigEndian) {
   EXPECT_EQ(renumbered, datagram(read));
 }
 
-// A volatile writer tells a new reader first that its samples are not for it.
+// A volatile writer first tells a new reader that existing samples are not for it.
 TEST(WriterThatIsHeardLate, MayBeginWithAGapBeforeItsHeartbeat) {
   Numbers numbers;
   EXPECT_EQ(numbers.read({gap(kLate + 5, kLate + 7), heartbeat(kLate + 1, kLate + 7)}),
             of({gap(5, 7), heartbeat(1, 7)}));
 }
 
-// The library has read its data as they are: it can only begin again.
+// The library has already read its data with their own numbers, so it can only start over.
 TEST(WriterThatIsHeardLate, WithoutItsFirstHeartbeatIsBegunAgain) {
   Numbers numbers;
   EXPECT_EQ(numbers.read({data(kLate)}), of({data(kLate)}));
@@ -355,11 +355,11 @@ TEST(WriterThatHasSkippedNumbers, IsBelievedOnlyWithoutAnotherWordFromIt) {
   numbers.take({heartbeat(kFar, kFar)});
   numbers.take({heartbeat(1, 100)}, 250ms);
   EXPECT_EQ(numbers.take({heartbeat(kFar, kFar)}, 500ms).astray, std::nullopt);
-  // The next one more than 5 s later stands alone.
+  // The next one arrives more than 5 s later and counts as isolated.
   EXPECT_EQ(numbers.take({heartbeat(kFar, kFar)}, 5'501ms).astray, std::nullopt);
 }
 
-// What a forger began is not kept: the writer itself contradicts it.
+// Numbers begun by a forger are not kept, because the writer itself contradicts them.
 TEST(WriterThatAForgerBegan, IsBegunAgain) {
   Numbers numbers;
   numbers.take({heartbeat(kFar, kFar)});
