@@ -16,11 +16,11 @@
 namespace vdrive::test {
 namespace {
 
-/// A bench of this process, as vdrived would make it of these words.
+/// Makes a bench in this process as vdrived would from these arguments.
 bench::BenchOptions options_of(const std::string& words) {
   bench::BenchOptions options;
-  std::string clock;  // keys of the configuration
-  std::string mode;   // what it needs for some of them
+  std::string clock;  // a key of the configuration
+  std::string mode;   // the mode that some keys need
   std::istringstream stream(words);
   std::string name;
   std::string value;
@@ -51,7 +51,7 @@ bench::BenchOptions options_of(const std::string& words) {
     }
   }
   if (!clock.empty()) options.configuration += "\nclock:\n" + mode + clock;
-  // vdrived runs in real time unless it is told otherwise, a bench in a process in lock-step.
+  // vdrived runs in real time by default, a bench in a process in lock-step.
   if (options.configuration.empty() && !options.clock) options.clock = ClockMode::realtime;
   return options;
 }
@@ -79,7 +79,7 @@ client::SessionOptions options_on_wire() {
   return options;
 }
 
-/// One of both.
+/// One of the two.
 class BenchOnWire::Parts {
  public:
   explicit Parts(const std::string& words) {

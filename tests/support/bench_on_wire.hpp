@@ -8,26 +8,26 @@
 
 namespace vdrive::test {
 
-/// Tests that are the same over both wires. They run over the local bus of their process; with
-/// VDRIVE_TEST_WIRE=dds in the environment they run over DDS (vdrive_run_over_dds in
+/// For tests that are the same over both wires. They run over the local bus of their process, or
+/// over DDS if VDRIVE_TEST_WIRE=dds is in the environment (vdrive_run_over_dds in
 /// tests/CMakeLists.txt).
 
 /// @return whether this process runs its tests over DDS.
-/// @throws std::runtime_error for another wire than local and dds
+/// @throws std::runtime_error if the wire is neither local nor dds
 [[nodiscard]] bool runs_over_dds();
 
-/// @return the bus of all benches of this process; over DDS nothing.
+/// @return the bus of all benches of this process; nothing over DDS.
 [[nodiscard]] std::shared_ptr<wire::LocalBus> local_bus();
 
-/// @return a session that finds the benches of this test.
+/// @return options of a session that finds the benches of this test.
 [[nodiscard]] client::SessionOptions options_on_wire();
 
-/// A bench on that wire, available after construction: in this process, or a service of this build.
-/// It ends when it is destroyed.
+/// A bench on that wire, either in this process or as a service of this build. It is available
+/// after construction and ends when it is destroyed.
 class BenchOnWire {
  public:
-  /// @param words a command line of vdrived without options of a network, such as
-  ///        "--clock lockstep --axes 3"
+  /// @param words a command line of vdrived without network options, such as "--clock lockstep
+  ///        --axes 3"
   /// @throws std::runtime_error
   explicit BenchOnWire(const std::string& words);
   ~BenchOnWire();

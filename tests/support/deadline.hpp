@@ -8,8 +8,8 @@
 
 namespace vdrive::test {
 
-/// @return "[deadline] WHAT in 40 s": what a wait writes when its time is over. By this mark
-///         tests/checks/failures.py tells a missed deadline from a wrong value.
+/// @return "[deadline] WHAT in 40 s", the text that a wait writes when it times out. The mark lets
+///         tests/checks/failures.py distinguish a missed deadline from a wrong value.
 inline std::string missed_deadline(std::string_view what, std::chrono::milliseconds patience) {
   const auto count = static_cast<double>(patience.count()) / 1000.0;
   std::string text = std::to_string(count);
@@ -18,7 +18,7 @@ inline std::string missed_deadline(std::string_view what, std::chrono::milliseco
   return "[deadline] " + std::string(what) + " in " + text + " s";
 }
 
-/// Writes that to standard error, before the expectation that fails by it.
+/// Writes that text to standard error, before the expectation fails because of it.
 inline void report_missed_deadline(std::string_view what, std::chrono::milliseconds patience) {
   std::cerr << missed_deadline(what, patience) + "\n";
 }

@@ -12,11 +12,12 @@
 
 namespace vdrive::test {
 
-/// @return datagrams that found the buffer of a UDP socket full, in this network namespace so far.
+/// @return the datagrams dropped so far in this network namespace because a UDP socket's buffer was
+///         full.
 inline std::uint64_t dropped_by_sockets() {
   std::ifstream file("/proc/net/snmp");
   std::string line;
-  std::vector<std::string> names;  // a line of names, then a line of their values
+  std::vector<std::string> names;  // a line of names, followed by a line of their values
   while (std::getline(file, line)) {
     if (!line.starts_with("Udp:")) continue;
     std::istringstream words(line);

@@ -6,7 +6,7 @@
 
 namespace vdrive::test {
 
-/// How much a test does that grows with a number: seeds, moves, datagrams, kills.
+/// The amount of work of a test that can be scaled: seeds, moves, datagrams, kills.
 template <typename Number>
 struct Effort {
   Number usual;    ///< tests/run.sh, which has two minutes
@@ -14,7 +14,7 @@ struct Effort {
   Number nightly;  ///< tests/run.sh --nightly: VDRIVE_NIGHTLY=1 in the environment
 };
 
-/// @return the number of this run.
+/// @return the amount for this run.
 template <typename Number>
 [[nodiscard]] Number number_of(const Effort<Number>& effort) {
   const auto is_set = [](const char* variable) {

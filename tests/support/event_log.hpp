@@ -15,7 +15,7 @@
 
 namespace vdrive::test {
 
-/// The numbers of sessions, which are random, and what a test calls these sessions.
+/// The random session numbers, and the names that a test gives to these sessions.
 class SessionNumbers {
  public:
   explicit SessionNumbers(std::map<std::uint64_t, std::string> names) : names_(std::move(names)) {}
@@ -26,7 +26,7 @@ class SessionNumbers {
     return found == names_.end() ? "an unknown session" : found->second;
   }
 
-  /// @return the text with the names in the place of the numbers.
+  /// @return the text with numbers replaced by names.
   [[nodiscard]] std::string without_numbers(std::string text) const {
     for (const auto& [session, name] : names_) {
       const std::string number = session_text(session);
@@ -41,15 +41,15 @@ class SessionNumbers {
   std::map<std::uint64_t, std::string> names_;
 };
 
-/// The events of one bench, as a session is told of them.
+/// The events of one bench as a session receives them.
 ///
-/// Of equal events (kind, axis, code and session) a bench lets 20 a second of wall time pass and
-/// counts the others. So two runs of a program are not told of the same ones; but each event that
-/// was told of has its number among the equal ones, and all equal ones are counted. Both have to be
-/// the same in two runs.
+/// Of equal events (same kind, axis, code and session) a bench passes on 20 per second of wall time
+/// and only counts the others. Therefore two runs of a program do not receive the same events. But
+/// each received event has its number among the equal ones, and all equal ones are counted. Both
+/// the numbered events and the counts must agree in two runs.
 class EventLog {
  public:
-  /// Begins with what the bench keeps. @param numbers outlives this log
+  /// Begins with the events that the bench has kept. @param numbers outlives this log
   EventLog(client::Session& session, const SessionNumbers& numbers)
       : session_(session), numbers_(numbers) {
     session_.on_event(
@@ -64,16 +64,16 @@ class EventLog {
   EventLog(const EventLog&) = delete;
   EventLog& operator=(const EventLog&) = delete;
 
-  /// @return how many there were, with those that were left out and counted.
+  /// @return the number of events, including those that were left out and counted.
   [[nodiscard]] std::uint64_t count() const {
     const std::scoped_lock lock(mutex_);
     return count_;
   }
 
-  /// How many equal events there were.
+  /// The numbers of equal events.
   struct Numbers {
-    std::uint64_t all = 0;   ///< with those that were left out and counted
-    std::uint64_t told = 0;  ///< those that this log was told of
+    std::uint64_t all = 0;   ///< including those that were left out and counted
+    std::uint64_t told = 0;  ///< received by this log
   };
 
   [[nodiscard]] Numbers numbers_of(client::EventKind kind, std::uint16_t axis, std::uint32_t code,
@@ -84,7 +84,7 @@ class EventLog {
     return {.all = found->second.count, .told = found->second.told.size()};
   }
 
-  /// @return the first difference between what two logs were told, or an empty text.
+  /// @return the first difference between the events of two logs, or an empty text.
   friend std::string difference_of(const EventLog& one, const EventLog& other) {
     const std::scoped_lock lock(one.mutex_, other.mutex_);
     for (const auto& [key, equal] : one.equal_) {
@@ -99,7 +99,7 @@ class EventLog {
     return "";
   }
 
-  /// @return of how many events both logs were told.
+  /// @return the number of events that both logs received.
   friend std::uint64_t told_to_both(const EventLog& one, const EventLog& other) {
     const std::scoped_lock lock(one.mutex_, other.mutex_);
     std::uint64_t both = 0;
@@ -116,7 +116,7 @@ class EventLog {
  private:
   using Key = std::tuple<client::EventKind, std::uint16_t, std::uint32_t, std::string>;
 
-  /// What equal events do not have in common.
+  /// The parts of an event in which equal events may differ.
   struct Content {
     std::uint64_t tick = 0;
     std::uint8_t error_register = 0;
@@ -173,7 +173,7 @@ class EventLog {
 
   client::Session& session_;
   const SessionNumbers& numbers_;
-  mutable std::mutex mutex_;  ///< guards what follows
+  mutable std::mutex mutex_;  ///< guards the members below
   std::map<Key, Equal> equal_;
   std::uint64_t count_ = 0;
 };

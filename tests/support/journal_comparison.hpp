@@ -17,15 +17,15 @@
 
 namespace vdrive::test {
 
-/// What two journals have in common.
+/// The result of a comparison of two journals.
 struct JournalComparison {
-  std::string difference;  ///< the first one, or why a journal is not whole; empty = none
+  std::string difference;  ///< the first, or why a journal is incomplete; empty = none
   std::uint64_t ticks = 0;
   std::uint64_t changes = 0;
   std::uint64_t snapshots = 0;
 };
 
-/// What a record is, for a person who looks for a difference.
+/// Describes a record for a person who looks for a difference.
 struct RecordText {
   std::string operator()(const service::JournalChange& change) const {
     return "change " + std::to_string(static_cast<int>(change.kind)) + " of the axis at " +
@@ -59,7 +59,7 @@ struct RecordText {
   }
 };
 
-/// A configuration as a journal has it, without the parts that name the wire and its network.
+/// @return a journal's configuration without the sections of the wire and its network.
 inline std::string without_wire(const std::string& configuration) {
   std::istringstream lines(configuration);
   std::string kept;
@@ -100,7 +100,7 @@ class JournalPair {
     explicit File(const std::filesystem::path& path)
         : name(path.filename()), bytes(path, std::ios::binary), reader(bytes) {}
 
-    /// Sessions have another number in each run.
+    /// Skips the authors, because sessions have different numbers in each run.
     Record next() {
       Record record = reader.next();
       while (record && std::holds_alternative<service::JournalAuthor>(*record)) {
@@ -154,7 +154,7 @@ class JournalPair {
     }
   }
 
-  /// A service that was killed leaves no end, one whose disk is slow leaves ticks out.
+  /// The journal of a killed service has no end; that of a service with a slow disk has gaps.
   void require_whole(const File& file) {
     const auto* const end = file.last ? std::get_if<service::JournalEnd>(&*file.last) : nullptr;
     const bool is_whole = end != nullptr && file.reader.torn_bytes() == 0 && end->lost == 0 &&
@@ -170,7 +170,7 @@ class JournalPair {
     return record ? std::visit(RecordText(), *record) : "no record";
   }
 
-  /// @return which members of the status differ, and in which rows of axes.
+  /// @return the status members that differ, and the rows of axes in which they do.
   static std::string part_of_tick(const Record& one, const Record& other) {
     const auto* const here = one ? std::get_if<service::JournalTick>(&*one) : nullptr;
     const auto* const there = other ? std::get_if<service::JournalTick>(&*other) : nullptr;
@@ -186,7 +186,7 @@ class JournalPair {
     return text;
   }
 
-  /// @return where the states begin to differ.
+  /// @return the place where the states begin to differ.
   static std::string part_of_snapshot(const Record& one, const Record& other) {
     const auto* const here = one ? std::get_if<service::JournalSnapshot>(&*one) : nullptr;
     const auto* const there = other ? std::get_if<service::JournalSnapshot>(&*other) : nullptr;
@@ -198,13 +198,12 @@ class JournalPair {
   File one_;
   File other_;
   std::uint64_t records_ = 0;
-  std::uint64_t tick_ = 0;  ///< the last one that both have
+  std::uint64_t tick_ = 0;  ///< the last tick that both have
   JournalComparison result_;
 };
 
-/// Compares two journals record by record, but for what names the wire and its network, and for
-/// who has written. Both have
-/// to be whole: ended properly, with every tick.
+/// Compares two journals record by record, except for the wire, its network and the authors of
+/// writes. Both must be complete: ended properly, with every tick.
 inline JournalComparison compare_journals(const std::filesystem::path& one,
                                           const std::filesystem::path& other) {
   return JournalPair(one, other).compare();

@@ -27,7 +27,7 @@ inline int connected(int port) {
   return -1;
 }
 
-/// @return the answer to an HTTP request, with its head; empty without one.
+/// @return the answer to an HTTP request, including its head; empty if there is none.
 inline std::string answer_to(int port, const std::string& request) {
   const int connection = connected(port);
   (void)send(connection, request.data(), request.size(), MSG_NOSIGNAL);

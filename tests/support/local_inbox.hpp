@@ -12,7 +12,7 @@
 
 namespace vdrive::test {
 
-/// The memory of two rings, made before the inbox that uses it.
+/// The memory of two rings, constructed before the inbox that uses it.
 struct InboxMemory {
   service::ByteRing arrivals() { return {arrival_positions, as_bytes(arrival_memory)}; }
 
@@ -28,7 +28,7 @@ struct InboxMemory {
   std::vector<std::uint64_t> turned_away_memory = std::vector<std::uint64_t>(8 * 1'024);
 };
 
-/// An inbox in the memory of a test: messages enter as samples, as from the network.
+/// An inbox in the memory of a test. Messages enter as samples, as they do from the network.
 class LocalInbox : private InboxMemory, public service::Inbox {
  public:
   LocalInbox(std::uint32_t bench, service::Counters& counters)

@@ -12,7 +12,7 @@
 
 namespace vdrive::wire {
 
-/// @return any message of the IDL with all its members, for what a failing test shows.
+/// @return any IDL message with all its members, for the output of a failing test.
 template <DescribedStruct Struct>
 nlohmann::ordered_json json_of(const Struct& message);
 

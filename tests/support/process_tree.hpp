@@ -18,7 +18,7 @@ namespace vdrive::test {
 
 /// Processes, as /proc shows them.
 
-/// @return what is in a file; nothing where it cannot be read.
+/// @return the content of a file; empty if it cannot be read.
 inline std::string text_of(const std::filesystem::path& file) {
   std::ifstream stream(file);
   std::ostringstream text;
@@ -28,7 +28,7 @@ inline std::string text_of(const std::filesystem::path& file) {
 
 /// @return the process whose parent is `parent`, or 0.
 inline pid_t child_of(pid_t parent) {
-  if (parent <= 1) return 0;  // a program that has ended, or one whose parent has
+  if (parent <= 1) return 0;  // a program that has ended, or whose parent has
   const std::string wanted = "PPid:\t" + std::to_string(parent) + "\n";
   for (const auto& entry : std::filesystem::directory_iterator("/proc")) {
     if (text_of(entry.path() / "status").find(wanted) != std::string::npos) {
@@ -38,20 +38,19 @@ inline pid_t child_of(pid_t parent) {
   return 0;
 }
 
-/// @return the process of a service's wire, or 0 where it has none.
+/// @return the wire process of a service; 0 if it has none.
 inline pid_t wire_of(pid_t service) {
   const pid_t spawner = child_of(service);
   return spawner == 0 ? 0 : child_of(spawner);
 }
 
-/// @throws std::invalid_argument for 0, which stands for no process here.
+/// @throws std::invalid_argument for 0, which is not a process here.
 inline bool exists(pid_t process) {
   return send_signal(process, 0);
 }
 
-/// @return the files of /dev/shm that a service or its wire has mapped. What else is there belongs
-/// to
-///         other programs, such as a browser, and comes and goes with them.
+/// @return the files of /dev/shm that a service or its wire has mapped. Other files there belong to
+///         other programs, such as a browser, and may appear and disappear.
 inline std::set<std::string> shared_memory_of(pid_t service) {
   std::set<std::string> files;
   for (const pid_t process : {service, wire_of(service)}) {
@@ -65,7 +64,7 @@ inline std::set<std::string> shared_memory_of(pid_t service) {
   return files;
 }
 
-/// Repeats the check until it holds. @return false after 40 s.
+/// Repeats the check until it is true. @return false after 40 s.
 template <typename Condition>
 bool holds_soon(Condition condition) {
   constexpr std::chrono::seconds kPatience{40};

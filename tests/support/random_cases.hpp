@@ -8,7 +8,7 @@
 
 namespace vdrive::test {
 
-/// Number of random cases; by day a tenth of it in a build without optimisation.
+/// @return the number of random cases; by day, a build without optimisation runs a tenth of them.
 inline std::uint64_t case_count(std::uint64_t by_day, std::uint64_t nightly) {
 #ifndef __OPTIMIZE__
   by_day /= 10;
@@ -16,8 +16,8 @@ inline std::uint64_t case_count(std::uint64_t by_day, std::uint64_t nightly) {
   return number_of<std::uint64_t>({.usual = by_day, .full = by_day, .nightly = nightly});
 }
 
-/// Number of random cases of a program that is compiled with optimisation, as core_jerk_test is;
-/// `unoptimised` in every run of a build without it.
+/// @return the number of random cases of a program compiled with optimisation, such as
+///         core_jerk_test; in a build without optimisation always `unoptimised`.
 template <typename Number>
 [[nodiscard]] Number number_if_optimised([[maybe_unused]] const Effort<Number>& effort,
                                          [[maybe_unused]] Number unoptimised) {
@@ -64,7 +64,7 @@ class Random {
   /// Uniform in [0, 1).
   double unit() { return static_cast<double>(bits() >> 11U) * 0x1.0p-53; }
 
-  /// A register of 32 bits: its ends, powers of two and their neighbours, small numbers, any.
+  /// A 32-bit register value: extremes, powers of two and their neighbours, small numbers, any.
   std::uint32_t word() {
     switch (below(6)) {
       case 0:

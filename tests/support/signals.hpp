@@ -9,10 +9,10 @@
 
 namespace vdrive::test {
 
-/// kill(2) of one process. @return whether there is such a process.
-/// @throws std::invalid_argument for 0 and for a negative number: kill(2) would send the signal to
-/// every process of this group, ctest and its caller among them, or to all processes of the user;
-/// for 1, which adopts the processes of a parent that has ended
+/// Calls kill(2) for one process. @return whether the process exists.
+/// @throws std::invalid_argument for 0 and negative numbers, for which kill(2) would signal every
+///         process of this group, ctest and its caller among them, or all processes of the user;
+///         and for 1, which adopts the processes of parents that have ended
 inline bool send_signal(pid_t process, int signal) {
   if (process <= 1) {
     throw std::invalid_argument("signal " + std::to_string(signal) + " to process " +

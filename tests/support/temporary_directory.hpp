@@ -8,7 +8,7 @@
 
 namespace vdrive::test {
 
-/// An empty directory that this object removes at its end.
+/// An empty directory, removed in the destructor.
 class TemporaryDirectory {
  public:
   TemporaryDirectory() {

@@ -22,7 +22,7 @@ def claim_domain():
         except OSError:
             claim.close()
             continue
-        # From now on participants share the port, and get what is sent to it.
+        # From now on participants share the port and receive anything sent to it.
         claim.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
         claim.connect(("127.0.0.1", port + 9))
         return domain, claim

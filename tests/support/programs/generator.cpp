@@ -12,7 +12,7 @@
 namespace vdrive::test {
 namespace {
 
-/// Limits that hold in every mode, as objects of the axis.
+/// Draws limits that are in force in every mode, as objects of the axis.
 void draw_limits(DrawnAxis& axis, Random& random) {
   AxisLimits& limits = axis.limits;
   limits.speed = random.per_mille(500) ? 136'533 : random.between(20'000, 136'000);
@@ -40,7 +40,8 @@ void add_jerk(DrawnAxis& axis, Random& random) {
                                                  {{0x60A4, 2}, second}});
 }
 
-/// With 0 in its range. Software limits would hide its ends.
+/// Adds a modulo range that contains 0. Software limits are removed because they would hide its
+/// ends.
 void add_range(DrawnAxis& axis, Random& random) {
   axis.limits.has_range = false;
   axis.limits.range_span = random.between(1'000, 50'000);
@@ -61,8 +62,8 @@ void add_end_stops(DrawnAxis& axis, Random& random) {
   axis.model.upper_end_stop = static_cast<double>(random.between(20'000, 80'000));
 }
 
-/// A weight has a brake that holds it. Together they are weaker than kStrongest of the watch allows
-/// for; ripple would go beyond the limits of the torque.
+/// Adds effects of the plant. A weight always has a brake that holds it. Together the effects stay
+/// below kStrongest of the watch; ripple is left out because it would exceed the torque limits.
 void add_effects(DrawnAxis& axis, Random& random) {
   AxisModel& model = axis.model;
   if (random.per_mille(500)) {
@@ -82,11 +83,12 @@ void add_effects(DrawnAxis& axis, Random& random) {
       model.gravity_torque != 0.0 || model.cogging_torque != 0.0 || model.encoder_noise != 0.0;
 }
 
-/// All but 5E20h:05, whose refusals depend on what the axis does within a tick.
+/// A habit that may be drawn. 5E20h:05 is left out, because its refusals depend on what the axis
+/// does within a tick.
 struct Habit {
   std::uint8_t subindex;
   std::int64_t highest;
-  bool holds_back;  ///< up to that many ms
+  bool holds_back;  ///< delays commands by up to `highest` ms
 };
 
 constexpr std::array kDrawnHabits{
@@ -96,7 +98,7 @@ constexpr std::array kDrawnHabits{
 
 void add_habits(DrawnAxis& axis, Random& random) {
   constexpr double kMillisecond_s = 1.0e-3;
-  constexpr double kWholeTicks_s = 0.01;  // what rounding up to ticks of 2 ms adds, and more
+  constexpr double kWholeTicks_s = 0.01;  // more than rounding up to ticks of 2 ms adds
   axis.limits.jerk = 0.0;                 // 5E20h:0B plans from rest
   for (const Habit& habit : kDrawnHabits) {
     if (!random.per_mille(250)) continue;
@@ -117,7 +119,7 @@ void add_monitor(DrawnAxis& axis, Random& random) {
   axis.parameters.push_back({{0x5E12, 2}, random.per_mille(500) ? 0 : 200});
 }
 
-// What is drawn later may overrule what is drawn before. A new kind is a row.
+// Kinds drawn later may override those drawn earlier. To add a kind, add a row.
 constexpr std::array kKinds{add_jerk,    add_range,  add_switches, add_end_stops,
                             add_effects, add_habits, add_monitor};
 

@@ -12,11 +12,12 @@
 namespace vdrive::test {
 namespace {
 
-/// The strongest acceleration that motor and test load torque together give the default axis:
-/// (9 N.m + 3 N.m) / 6e-4 kg.m2 = 20000 rad/s2, times 4096 / 2 pi.
+/// The strongest acceleration of the default axis that motor and test load torque can cause
+/// together: (9 N.m + 3 N.m) / 6e-4 kg.m2 = 20000 rad/s2, times 4096 / 2 pi.
 constexpr double kStrongest = 1.4e7;  // [UU/s2]
 
-/// Of a jump, beside its speed and acceleration: rounding, and the noise of an encoder.
+/// The tolerance of a step in position in addition to speed and acceleration: rounding, and encoder
+/// noise.
 constexpr double kBlur = 6.0;  // [UU]
 
 constexpr double kSettled_s = 0.5;
@@ -30,7 +31,8 @@ bool is_mode(const AxisStatus& status, OperatingMode mode) {
   return static_cast<OperatingMode>(status.op_mode_actual) == mode;
 }
 
-/// The loop of the position is closed in the motions of the mode; in its stops it always may be.
+/// @return whether the motions of the mode close the position loop. Its stops may do so in any
+///         mode.
 bool leads_position(const AxisStatus& status) {
   using enum OperatingMode;
   return is_mode(status, none) || is_mode(status, profile_position) || is_mode(status, homing) ||
@@ -42,7 +44,7 @@ bool leads_torque(const AxisStatus& status) {
   return row != nullptr && row->commands_torque;
 }
 
-/// The profiles of 6086h lead the demand.
+/// @return whether the profiles of 6086h shape the demand.
 bool has_profile(const AxisStatus& status) {
   return is_mode(status, OperatingMode::profile_position) ||
          is_mode(status, OperatingMode::profile_velocity);
@@ -69,7 +71,7 @@ std::string motion_of(const AxisStatus& status) {
          number(status.load_position_error_value) + ")";
 }
 
-/// @return which of bits 10 and 12 of 6041h an axis may show in `state` and with the mode of 6061h.
+/// @return which of bits 10 and 12 of 6041h an axis may show in `state` and in the mode of 6061h.
 std::uint16_t possible_mode_bits(PowerState state, std::int8_t mode) {
   constexpr std::uint16_t kBit12 = Statusword::kSetPointAcknowledge;
   if (state == PowerState::quick_stop_active) return Statusword::kTargetReached;
@@ -77,16 +79,17 @@ std::uint16_t possible_mode_bits(PowerState state, std::int8_t mode) {
   if (state != PowerState::operation_enabled || row == nullptr) return 0;
   const bool has_bit_12 =
       std::ranges::find(row->status_bits, kBit12, &BitName::bit) != row->status_bits.end();
-  // 5E20h:0A shows bit 10 in a mode without a target.
+  // With 5E20h:0A, bit 10 is also used in a mode without a target.
   const bool has_bit_10 =
       row->has_target || row->mode == OperatingMode::cyclic_synchronous_position;
   return static_cast<std::uint16_t>((has_bit_12 ? kBit12 : 0U) |
                                     (has_bit_10 ? Statusword::kTargetReached : 0U));
 }
 
-/// Transitions that need no controlword, as far as one tick may take them: 1 ends the start-up, 13
-/// and 14 are those of a fault, 7 and 10 of a lost DC link, 12 of a quick stop, 5 and 8 end the
-/// ramps of 605Ch and 605Bh, 9 and 11 are the reactions of 6007h.
+/// @return whether transitions without a controlword can lead from one state to the other in one
+///         tick: 1 ends the start-up, 13 and 14 belong to a fault, 7 and 10 to a lost DC link, 12
+///         to a quick stop, 5 and 8 end the ramps of 605Ch and 605Bh, 9 and 11 are the reactions of
+///         6007h.
 bool falls(PowerState from, PowerState to) {
   using enum PowerState;
   switch (from) {
@@ -184,7 +187,7 @@ void AxisWatch::expect_command(std::uint64_t delay) {
 
 void AxisWatch::begin(const AxisStatus& now, PowerState state) {
   power_.begin(state);
-  if (delay_ > 0) expect_command(delay_ - 1);  // a restored axis may hold back a word
+  if (delay_ > 0) expect_command(delay_ - 1);  // a restored axis may be delaying a controlword
   last_ = now;
   last_state_ = state;
   is_contained_ = false;
@@ -229,7 +232,7 @@ void AxisWatch::check(const AxisStatus& now, PowerState state, const AxisCauses&
   last_state_ = state;
 }
 
-/// On a modulo axis the shorter one round its range.
+/// On a modulo axis, the shorter way around its range.
 std::int64_t AxisWatch::way(std::int32_t from, std::int32_t to) const {
   const std::int64_t span = limits_.range_span;
   if (span == 0) return distance(from, to);
@@ -237,7 +240,7 @@ std::int64_t AxisWatch::way(std::int32_t from, std::int32_t to) const {
   return ahead > span / 2 ? ahead - span : ahead;
 }
 
-/// The position moves with the speed. Homing sets it anew, a failed encoder gives no position.
+/// The position changes by its speed. Homing redefines it, and a failed encoder gives none.
 void AxisWatch::check_jump(const AxisStatus& now, bool encoder_fails, bool commanded) {
   if (is_mode(now, OperatingMode::homing) || is_mode(last_, OperatingMode::homing) ||
       encoder_fails || had_test_input_) {
@@ -251,9 +254,9 @@ void AxisWatch::check_jump(const AxisStatus& now, bool encoder_fails, bool comma
     fail(Invariant::kNoJump, "at most " + number(furthest) + " UU in the tick",
          number(moved) + motion_of(last_) + motion_of(now));
   }
-  // The demand leaves its place at the speed limit at most, or brakes from above it. Where the
-  // drive takes control anew, by command or of another loop, it begins at the actual position;
-  // modes of velocity and torque change loops by themselves.
+  // The demand moves at most at the speed limit, or brakes from a higher speed. When the drive
+  // takes control again, by a command or with another loop, the demand starts at the actual
+  // position. Velocity and torque modes change loops by themselves.
   const bool begins =
       commanded || now.op_mode_actual != last_.op_mode_actual || !leads_position(now);
   const std::int64_t error =
@@ -273,8 +276,8 @@ void AxisWatch::check_jump(const AxisStatus& now, bool encoder_fails, bool comma
   }
 }
 
-/// Without power nothing but friction acts on a rigid axis: it never gets faster. A weight, cogging
-/// and noise are something.
+/// Without power only friction acts on a rigid axis, so it never gets faster. This does not apply
+/// with a weight, cogging or noise.
 void AxisWatch::check_rest(const AxisStatus& now) {
   if (now.motor_op_status != 0 || has_test_input_ || had_test_input_ || limits_.is_pushed) {
     rest_speed_ = -1;
@@ -294,8 +297,8 @@ bool AxisWatch::brakes_at_its_limit(const AxisStatus& now) const {
 }
 
 /// The demand never exceeds the limit, unless the axis was faster when the drive took control; then
-/// it only falls. The actual speed may be above it for as long as a loop needs to settle; an axis
-/// that a load drove far beyond it, for as long as the drive brakes with all its torque.
+/// it only falls. The actual speed may exceed the limit while a loop settles or, on an axis that a
+/// load drove far beyond it, while the drive brakes with full torque.
 void AxisWatch::check_speed(const AxisStatus& now) {
   const std::int64_t demand = std::abs(std::int64_t{now.velocity_demand_value});
   const std::int64_t demand_before = std::abs(std::int64_t{last_.velocity_demand_value});
@@ -312,9 +315,9 @@ void AxisWatch::check_speed(const AxisStatus& now) {
   }
 }
 
-/// Stops at limit switches have no limited jerk, nor have those that end Operation enabled. The
-/// statuses of two ticks do not show that an axis was without power between them: transition 4 then
-/// begins with a demand at rest.
+/// Stops at limit switches and stops that end Operation enabled have no limited jerk. The statuses
+/// of two ticks do not show whether the axis was without power in between; transition 4 then begins
+/// with a demand at rest.
 bool AxisWatch::may_be_rounded(const AxisStatus& now, const AxisCauses& causes) const {
   constexpr int kDisableVoltage = 2;  // of 6007h
   const bool was_off = causes.switched_off || causes.cycled ||
@@ -327,9 +330,9 @@ bool AxisWatch::may_be_rounded(const AxisStatus& now, const AxisCauses& causes) 
          !had_test_input_;
 }
 
-/// From a demand that has stood on, as long as profiles alone lead it, the velocity changes from
-/// tick to tick by at most jerk x period² more or less than in the tick before: its second
-/// difference. It has two units of rounding, of three whole values.
+/// Once the demand has rested, and as long as only profiles shape it, the change of velocity per
+/// tick differs from that of the previous tick by at most jerk x period² (second difference). Three
+/// rounded values add two units of rounding.
 void AxisWatch::check_jerk(const AxisStatus& now, const AxisCauses& causes) {
   constexpr int kStandingTicks = 3;
   constexpr double kRounding = 3.0;
@@ -353,9 +356,9 @@ void AxisWatch::check_jerk(const AxisStatus& now, const AxisCauses& causes) {
   last_change_ = change;
 }
 
-/// A demand that began at rest within the range and was led by profiles only stays there. A
-/// streamed one stays while it follows: it needs no ramp to stop at the end, but a stop from its
-/// speed does.
+/// A demand that started at rest within the range stays there as long as only profiles lead it. A
+/// streamed demand stays there while it follows: it needs no ramp to stop at the limit, but a stop
+/// from its speed does.
 void AxisWatch::check_range(const AxisStatus& now, bool commanded) {
   if (!limits_.has_range) return;
   const bool streams = is_mode(now, OperatingMode::cyclic_synchronous_position) ||
@@ -366,7 +369,8 @@ void AxisWatch::check_range(const AxisStatus& now, bool commanded) {
                       decode_power_state(now.ds402_statusword) == PowerState::operation_enabled;
   const bool is_inside =
       now.position_demand_value >= limits_.lower && now.position_demand_value <= limits_.upper;
-  // A drive that is enabled anew begins at the actual position, which may have swung beyond.
+  // When it is enabled again, the drive starts at the actual position, which may have swung beyond
+  // the limit.
   const bool begins = now.op_mode_actual != last_.op_mode_actual || (commanded && !is_inside);
   if (!is_led || begins) {
     is_contained_ = false;
@@ -379,7 +383,8 @@ void AxisWatch::check_range(const AxisStatus& now, bool commanded) {
   }
 }
 
-/// Positions of a modulo axis are below the upper limit, which is the lower one.
+/// Positions of a modulo axis are below the upper limit, which is the same position as the lower
+/// one.
 void AxisWatch::check_modulo(const AxisStatus& now) {
   if (limits_.range_span == 0) return;
   for (const std::int64_t position : {now.position_demand_value, now.load_position_actual_value}) {

@@ -16,11 +16,11 @@
 
 namespace vdrive::test {
 
-// What must hold for one axis after each tick of a random program, whatever carries its commands.
+// Conditions for one axis after each tick of a random program, over any transport.
 
-/// The invariants of an axis as texts.
+/// The invariants of an axis, as texts.
 struct Invariant {
-  // Of the status image of any tick.
+  // For the status image of any tick.
   static constexpr const char* kState = "6041h decodes to the power state";
   static constexpr const char* kReserved = "reserved bits of 6041h are 0";
   static constexpr const char* kPower = "no power outside its states";
@@ -29,7 +29,7 @@ struct Invariant {
   static constexpr const char* kErrorCode = "603Fh is set in a fault only";
   static constexpr const char* kMode = "6061h is 0 or a mode of 6502h";
   static constexpr const char* kModeBits = "bits 10 and 12 of 6041h are those of state and mode";
-  // From tick to tick.
+  // For two consecutive ticks.
   static constexpr const char* kResume = "nothing resumes by itself";
   static constexpr const char* kTransition = "without a command the state only falls";
   static constexpr const char* kReaction = "the axes of a lost master react per 6007h";
@@ -41,54 +41,55 @@ struct Invariant {
   static constexpr const char* kTorque = "6072h, 60E0h and 60E1h are respected";
   static constexpr const char* kJerk = "60A4h is respected";
   static constexpr const char* kModulo = "607Bh is respected";
-  // Of a command.
+  // For a command.
   static constexpr const char* kRefused = "a refused write changes nothing";
 };
 
-/// @return the first invariant of any tick that `status` violates, or nullptr.
-/// @param expected the state in which the axis is
-/// @param maker_bits of 6041h that the axis shows the other way round, 5E20h:0C
+/// @return the first invariant of a single tick that `status` violates, or nullptr.
+/// @param expected the state of the axis
+/// @param maker_bits the bits of 6041h that the axis shows inverted, 5E20h:0C
 [[nodiscard]] const char* violated_invariant(const AxisStatus& status, PowerState expected,
                                              std::int64_t maker_bits = 0);
 
 /// Writes to an axis of a bank.
-/// @return the answer, and the invariant that it violates or nullptr
+/// @return the abort code, and the invariant that the write violates or nullptr
 [[nodiscard]] std::pair<AbortCode, const char*> write_to(AxisBank& bank, std::size_t axis,
                                                          const Write& write);
 
-/// @return whether an axis has reacted to a lost master per 6007h: 0 nothing, 1 fault, 2 without
-///         power, 3 quick stop.
+/// @return whether an axis has reacted to a lost master as 6007h requires: 0 nothing, 1 fault, 2
+///         without power, 3 quick stop.
 [[nodiscard]] bool reacts_to_loss(std::int64_t option, PowerState before, PowerState after);
 
-/// What happened to an axis since the previous tick.
+/// The events of an axis since the previous tick.
 struct AxisCauses {
   bool commanded = false;     ///< a controlword was written
-  bool switched_off = false;  ///< a controlword was Disable voltage or Shutdown
+  bool switched_off = false;  ///< a controlword commanded Disable voltage or Shutdown
   bool cycled = false;
-  bool lost = false;  ///< its master fell silent
+  bool lost = false;  ///< its master is lost
   bool restored = false;
-  bool has_test_input = false;  ///< one of 5E00h to 5E0Ah is not 0
+  bool has_test_input = false;  ///< one of 5E00h to 5E0Ah is nonzero
   bool encoder_fails = false;   ///< 5E04h
 };
 
-/// The power states of one axis from tick to tick, under any settings. Upwards, and out of a fault,
-/// lead commands alone; faults, the DC link, the ends of stops and lost masters lead downwards.
+/// Checks the power states of one axis from tick to tick, with any settings. Only commands lead
+/// upwards or out of a fault; faults, the DC link, the ends of stops and lost masters lead
+/// downwards.
 class PowerModel {
  public:
-  /// The following ticks start again from `state`.
+  /// Checks of later ticks start from `state` again.
   void begin(PowerState state) { last_ = state; }
 
-  /// A controlword has come. What it commands may happen in the next tick, or so many ticks later
-  /// at most (5E20h).
+  /// Call for a controlword: its command may take effect in the next tick, or up to `delay` ticks
+  /// later (5E20h).
   void expect_enabling(std::uint64_t delay);
   void expect_reset(std::uint64_t delay);
 
-  /// The drive has dropped such a command.
+  /// Call when the drive has dropped such a command.
   void forget_enabling() { enabling_until_ = 0; }
 
   void forget_reset() { reset_until_ = 0; }
 
-  /// @return whether such a command may act in the next tick.
+  /// @return whether such a command may take effect in the next tick.
   [[nodiscard]] bool may_enable() const { return next_tick_ <= enabling_until_; }
 
   [[nodiscard]] bool may_reset() const { return next_tick_ <= reset_until_; }
@@ -104,20 +105,20 @@ class PowerModel {
   PowerState last_ = PowerState::switch_on_disabled;
 };
 
-/// Settings of an axis, in force from its power-up to the end.
+/// The settings of an axis, constant from power-up on.
 struct AxisLimits {
-  std::int64_t speed = 136'533;      ///< 607Fh, or 6080h where that is lower [UU/s]
+  std::int64_t speed = 136'533;      ///< 607Fh, or 6080h if lower [UU/s]
   bool has_range = false;            ///< 3535h
   std::int64_t lower = 0;            ///< 607Dh:01 [UU]
   std::int64_t upper = 0;            ///< 607Dh:02 [UU]
   std::int64_t positive_torque = 0;  ///< the lower of 6072h and 60E0h [per mille]
   std::int64_t negative_torque = 0;
   int abort_connection = 1;      ///< 6007h
-  double jerk = 0.0;             ///< the higher one of 60A4h in use [UU/s³]; 0 = not checked
+  double jerk = 0.0;             ///< the higher 60A4h in use [UU/s³]; 0 = not checked
   std::int64_t range_lower = 0;  ///< 607Bh:01 [UU]
   std::int64_t range_span = 0;   ///< 607Bh:02 less 607Bh:01 [UU]; 0 = no modulo axis
   bool is_pushed = false;        ///< its plant moves it without power, or seems to
-  double delay = 0.0;            ///< by which 5E20h holds back what a word commands, at most [s]
+  double delay = 0.0;            ///< longest delay of a controlword's effect by 5E20h [s]
   std::int64_t maker_bits = 0;   ///< 5E20h:0C
 };
 
@@ -127,19 +128,19 @@ struct Violation {
   std::string seen;
 };
 
-/// Everything of one axis whose settings are known: states, limits and motion, from outside.
+/// Checks one axis with known settings from outside: states, limits and motion.
 class AxisWatch {
  public:
   AxisWatch(const AxisLimits& limits, std::chrono::microseconds period);
 
   /// Checks the next tick.
-  /// @param state in which the axis is
+  /// @param state the state of the axis
   void check(const AxisStatus& now, PowerState state, const AxisCauses& causes);
 
-  /// The following checks start again from `now`.
+  /// Later checks start from `now` again.
   void begin(const AxisStatus& now, PowerState state);
 
-  /// @return the first of all checks.
+  /// @return the first violation in any check.
   [[nodiscard]] const std::optional<Violation>& violation() const { return violation_; }
 
  private:
@@ -166,13 +167,13 @@ class AxisWatch {
   AxisStatus last_;
   PowerState last_state_ = PowerState::switch_on_disabled;
   bool has_test_input_ = false;
-  bool had_test_input_ = false;   ///< in the tick before
-  bool is_contained_ = false;     ///< the demand began within 607Dh and was never led outside
-  double calm_s_ = 0.0;           ///< for how long nothing but the drive moved the axis
-  std::int64_t rest_speed_ = -1;  ///< without power: the speed that is not exceeded; below 0 = none
-  std::int64_t last_change_ = 0;  ///< of 606Bh in the last tick [UU/s]
-  int standing_ticks_ = 0;        ///< for how long the demand of a profile has stood
-  bool is_rounded_ = false;       ///< nothing but profiles led the demand since it stood
+  bool had_test_input_ = false;   ///< in the previous tick
+  bool is_contained_ = false;     ///< the demand began within 607Dh and has never been led outside
+  double calm_s_ = 0.0;           ///< how long nothing but the drive has moved the axis
+  std::int64_t rest_speed_ = -1;  ///< without power, a speed never exceeded; negative = none
+  std::int64_t last_change_ = 0;  ///< of 606Bh in the previous tick [UU/s]
+  int standing_ticks_ = 0;        ///< how long the demand of a profile has been at rest
+  bool is_rounded_ = false;       ///< since then only profiles have led the demand
 };
 
 }  // namespace vdrive::test
