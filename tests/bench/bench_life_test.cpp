@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What becomes of threads, callbacks, ends and forks of a bench in the process of its user.
+// Threads, callbacks, ends and forks of a bench in the process of its user.
 #include "base/works_for.hpp"
 #include "configuration/configuration_file.hpp"
 #include "configuration/configuration_help.hpp"
@@ -57,7 +57,7 @@ using testing::HasSubstr;
 constexpr std::array<std::uint32_t, 1> kFirst{1};
 constexpr milliseconds kLong{20'000};
 
-/// @return the tick that the bench has reached.
+/// @return the present tick of the bench.
 std::uint64_t tick_of(Session& session) {
   return session.step(1, 0).value();
 }
@@ -114,7 +114,7 @@ TEST(JoinedClocks, EndAStepAtItsDeadlineWhileAnotherThreadSteps) {
   auto other = std::async(std::launch::async, [&clock] {
     return clock->step(2, kLong).outcome();
   });
-  // The first of its two ticks has passed: the other thread is inside its step.
+  // The first of its two ticks has passed, so the other thread is inside its step.
   ASSERT_TRUE(hold->step(1, kLong));
   const Outcome late = clock->step(1, milliseconds(100)).outcome();
   EXPECT_EQ(late.kind(), OutcomeKind::timed_out);
@@ -135,7 +135,7 @@ TEST(JoinedClocks, OfTwoThreadsStepTogetherInTheThreadsThatGrant) {
     }
     return Outcome();
   };
-  // A stepper that has joined holds the time for the other until it has joined, too.
+  // A stepper that has joined holds the time until both threads have joined.
   Session holder = bench.session();
   auto hold = StepClock::join(holder, kFirst);
   ASSERT_TRUE(hold);
@@ -195,12 +195,11 @@ TEST(Steps, OfTwoThreadsThroughOneJoinedClockFollowEachOther) {
   EXPECT_EQ(tick_of(session) - begin, 2U * 3U * kSteps);
 }
 
-/// Of so many ticks that a day would not do.
+/// More ticks than a day would suffice for.
 constexpr std::uint64_t kEndless = 1'000'000'000'000;
 
-/// @return the outcome of an endless step of a joined clock in another thread; `end` was called
-/// with
-///         the bench and the session when the step had begun.
+/// Runs an endless step of a joined clock in another thread and calls `end` with the bench and the
+/// session once the step has begun. @return the outcome of the step.
 template <typename End>
 Outcome step_until(const End& end) {
   std::optional<Bench> bench(std::in_place);
@@ -219,7 +218,7 @@ Outcome step_until(const End& end) {
   end(bench, session);
   if (ended.wait_for(kLong) != std::future_status::ready) {
     ADD_FAILURE() << "the step goes on";
-    std::abort();  // nothing else ends it
+    std::abort();  // nothing else would end it
   }
   return ended.get();
 }
@@ -266,7 +265,7 @@ TEST(JoinedClocks, RefuseMoreTicksThanTheyCount) {
 
 // ---- callbacks ---------------------------------------------------------------------------------
 
-/// An event that every session sees: a state that has changed.
+/// Causes an event that every session receives: a change of state.
 Outcome cause_an_event(Session& session) {
   auto axis = session.axis("1.1");
   if (!axis) return axis.outcome();
@@ -293,7 +292,7 @@ TEST(Observer, MayCallTheBench) {
   EXPECT_TRUE(outcome) << outcome.message();
 }
 
-/// Causes a refusal that no call waits for: 6060h = 50 is no mode of the drive.
+/// Causes a refusal that no call waits for: the drive has no mode 6060h = 50.
 Outcome cause_a_refusal(Session& session) {
   auto axis = session.axis("1.1");
   if (!axis) return axis.outcome();
@@ -359,7 +358,7 @@ TEST(Observer, MayEndItsOwnReports) {
   session.on_event({});
 }
 
-/// Calls until one throws. @return what was thrown.
+/// Makes calls until one throws. @return the text of the exception.
 std::string thrown_by_calls(Session& session) {
   const auto end = std::chrono::steady_clock::now() + kLong;
   while (std::chrono::steady_clock::now() < end) {
@@ -396,7 +395,7 @@ TEST(Observer, OfRefusalsThatThrowsReachesTheNextCallOnce) {
   try {
     ASSERT_TRUE(cause_a_refusal(session));
     thrown = thrown_by_calls(session);
-  } catch (const std::domain_error& error) {  // the step came after the report
+  } catch (const std::domain_error& error) {  // the step followed the report
     thrown = error.what();
   }
   EXPECT_EQ(thrown, "of the observer of refusals");
@@ -427,11 +426,11 @@ TEST(Observer, OfEachKindThatThrowsReachesACallOfItsOwn) {
 
 constexpr std::array<client::AxisId, 1> kFirstAxis{{{1, 1}}};
 
-/// An observer of the status throws. @return whether its reports have ended in time.
+/// Lets an observer of the status throw. @return whether its reports have ended in time.
 bool fail_an_observer(Session& session) {
   std::promise<void> ended;
   auto end = ended.get_future();
-  // Owned by the observer alone, which goes when its thread has ended.
+  // Owned only by the observer, which is destroyed when its thread has ended.
   std::shared_ptr<void> observed(nullptr, [&ended](void*) {
     ended.set_value();
   });
@@ -442,7 +441,7 @@ bool fail_an_observer(Session& session) {
   return reports && end.wait_for(kLong) == std::future_status::ready;
 }
 
-/// @return what the call throws.
+/// @return the text of the exception that the call throws.
 template <typename Call>
 std::string thrown_by(const Call& call) {
   try {
@@ -627,7 +626,7 @@ TEST(Observer, GetsNothingAfterItHasEndedItsReports) {
   std::atomic<int> changes = 0;
   std::promise<void> both_ended;
   Session session = first.session();
-  // Owned by the observers alone, which go when their threads have ended.
+  // Owned only by the observers, which are destroyed when their threads have ended.
   std::shared_ptr<void> observed(nullptr, [&both_ended](void*) {
     both_ended.set_value();
   });
@@ -660,7 +659,7 @@ TEST(StatusReports, MayBeDestroyedByTheirObserver) {
                                            const std::scoped_lock own(mutex);
                                            reports.reset();
                                          }
-                                         destroyed.set_value();  // throws when it comes again
+                                         destroyed.set_value();  // would throw on a second report
                                        })
                         .value());
   }
@@ -705,7 +704,7 @@ TEST(StatusReports, InLockStepShowTheNewestStateToWhoComesAfterTheLastStep) {
   EXPECT_EQ(tick.get(), last);
 }
 
-// A session waits for a state of a bench in real time: only that has its rate.
+// A session waits for the state of a real-time bench, because only the state has its rate.
 TEST(BenchState, IsThereForEachReaderThatComes) {
   const Bench bench;
   Session session = bench.session();
@@ -718,13 +717,13 @@ TEST(BenchState, IsThereForEachReaderThatComes) {
         *participant, [&](const msg::BenchState& /*state*/, const wire::Source& /*source*/) {
           ++states;
         });
-    ASSERT_TRUE(session.step(1, 1));  // much earlier than 50 ms after the last state
+    ASSERT_TRUE(session.step(1, 1));  // much sooner than 50 ms after the last state
     EXPECT_GE(states, 1) << "reader " << reader;
   }
 }
 
-// Ten benches of each clock: only the first call of a session meets a sample from before it, at
-// some times.
+// Ten benches of each clock: only the first call of a session may meet an earlier sample, and not
+// always.
 TEST(Follow, OnABusBeginsWithTheCall) {
   for (std::size_t round = 0; round < 30; ++round) {
     const ClockMode clock =
@@ -747,7 +746,7 @@ TEST(Follow, OnABusBeginsWithTheCall) {
   }
 }
 
-/// A session whose reports of an axis have begun.
+/// A session that has begun to receive reports of an axis.
 class ReportedSession {
  public:
   explicit ReportedSession(const Bench& bench) : session_(bench.session()) {
@@ -764,8 +763,8 @@ class ReportedSession {
 
   [[nodiscard]] Session& session() { return session_; }
 
-  /// @return why the reports have ended; nothing while they go on. Over DDS that takes the patience
-  ///         of the session, 10 s.
+  /// @return why the reports have ended; nothing while they continue. Over DDS their end takes as
+  ///         long as the session tolerates silence, 10 s.
   std::optional<Outcome> end() {
     auto outcome = ended_.get_future();
     const bool has_ended = outcome.wait_for(seconds(5)) == std::future_status::ready;
@@ -793,7 +792,7 @@ TEST(StatusReports, OfABenchThatEndsAreEndedAtOnce) {
   }
 }
 
-// What comes after it is another bench, however soon it comes.
+// A bench that follows is another bench, however soon it follows.
 TEST(StatusReports, OfABenchThatIsReplacedAtOnceAreEnded) {
   for (const ClockMode clock : {ClockMode::lockstep, ClockMode::realtime, ClockMode::freerun}) {
     for (int count = 0; count < 20; ++count) {
@@ -837,7 +836,7 @@ TEST(StatusReports, ShowAStateThatIsRestoredInTheSameTick) {
 
 // ---- ends --------------------------------------------------------------------------------------
 
-/// What each call says after its bench has ended, by the name of the call.
+/// The outcome of each call after its bench has ended, by the name of the call.
 using Answers = std::vector<std::pair<std::string, Outcome>>;
 
 Answers answers_of_session(Session& session) {
@@ -925,7 +924,7 @@ Answers answers_of_group(client::AxisGroup& group) {
   };
 }
 
-/// Everything that a program has of a bench.
+/// Everything that a program may hold of a bench.
 struct Handles {
   explicit Handles(const Bench& bench)
       : session(bench.session()),
@@ -938,7 +937,7 @@ struct Handles {
     return client::AxisGroup::create(session, axes).value();
   }
 
-  /// Makes every call, one after the other.
+  /// Makes every call once.
   [[nodiscard]] Answers answers() {
     Answers all = answers_of_session(session);
     for (auto& answer : answers_of_axis(axis)) all.push_back(std::move(answer));
@@ -973,7 +972,7 @@ TEST(Session, ThatOutlivesItsBenchWaitsForNoName) {
   const auto begin = std::chrono::steady_clock::now();
   EXPECT_FALSE(session.find_name(1, kNobody));
   EXPECT_LT(std::chrono::steady_clock::now() - begin,
-            milliseconds(500));  // over a network it waits for 1 s
+            milliseconds(500));  // over a network it waits 1 s
 }
 
 TEST(Session, ThatHoldsAnAxisOfABenchThatHasEndedNamesTheReason) {
@@ -984,7 +983,7 @@ TEST(Session, ThatHoldsAnAxisOfABenchThatHasEndedNamesTheReason) {
   EXPECT_EQ(session.release().message(), "bench 1 went offline: its service has ended");
 }
 
-// In real time a bench describes itself with its next tick.
+// In real time a bench describes itself at its next tick.
 TEST(Session, OnABusNamesAllBenchesWhereOneIsNotThere) {
   for (const ClockMode clock : {ClockMode::lockstep, ClockMode::realtime, ClockMode::freerun}) {
     const Bench first({.clock = clock});
@@ -1004,8 +1003,8 @@ struct BenchInUse {
   Session session = bench.session();
 };
 
-// Its session gives the axis back at its end. What the thread has made later has ended by then,
-// such as the memory of the first message.
+// The session releases the axis in its destructor. By then, objects that the thread created later
+// have already been destroyed, such as the memory of the first message.
 TEST(Bench, MayEndWithTheThreadThatMadeIt) {
   std::thread([] {
     thread_local BenchInUse in_use;
@@ -1014,8 +1013,9 @@ TEST(Bench, MayEndWithTheThreadThatMadeIt) {
   }).join();
 }
 
-/// @param is_waiting asked with another session of the bench until it is true: the wait has begun
-/// @return the outcome of a wait in another thread, during which the bench ended.
+/// @param is_waiting called with another session of the bench until it returns true: the wait has
+///        begun
+/// @return the outcome of a wait in another thread during which the bench ended.
 template <typename Wait, typename IsWaiting>
 OutcomeKind end_during(const BenchOptions& options, const Wait& wait, IsWaiting is_waiting) {
   std::optional<Bench> bench(std::in_place, options);
@@ -1039,7 +1039,7 @@ TEST(Bench, ThatEndsEndsTheWaitsOfOtherThreadsAtOnce) {
   const auto forever = [](Session& session) {
     return session.wait(1, std::chrono::hours(24 * 365)).outcome();
   };
-  // In lock-step nothing but the wait lets time pass.
+  // In lock-step only the wait lets time pass.
   const auto time_passes = [](Session& other) {
     const auto seen = other.observe(kFirstAxis);
     return seen && seen->tick > 10;
@@ -1071,7 +1071,7 @@ TEST(Bench, EndsAConditionThatIsSlowerThanItsTicksByAnInterrupt) {
   Session other = bench.session();
   int calls = 0;
   const auto slow = [&](const client::AxisSnapshot& /*seen*/) {
-    // Five ticks: from the second call on there is always a sample that waits.
+    // Five ticks, so that from the second call on a sample is always waiting.
     EXPECT_TRUE(other.wait(1, milliseconds(5)));
     if (++calls == 3) session.interrupt();
     return calls == 100;
@@ -1081,7 +1081,7 @@ TEST(Bench, EndsAConditionThatIsSlowerThanItsTicksByAnInterrupt) {
   EXPECT_EQ(calls, 3);
 }
 
-// It ends while the jog starts: at each time one look of another session later.
+// The bench ends while the jog starts, in each round one observation of another session later.
 TEST(Bench, ThatEndsEndsAJogAtOnce) {
   for (int looks = 0; looks < 20; ++looks) {
     const auto jog = [](Session& session) {
@@ -1100,7 +1100,7 @@ TEST(Bench, ThatEndsEndsAJogAtOnce) {
   }
 }
 
-// Its axis loses the power in the last tick, which no wait sees.
+// The axis loses power in the last tick, which no wait sees.
 TEST(Bench, ThatEndsIsLostToACallThatWaitsForMotion) {
   const auto run = [](Session& session) {
     auto axis = session.axis("1.1");
@@ -1118,7 +1118,7 @@ TEST(Bench, ThatEndsIsLostToACallThatWaitsForMotion) {
   }
 }
 
-/// @return whether a thread of this process waits in the kernel.
+/// @return whether a thread of this process sleeps in the kernel.
 bool is_asleep(pid_t thread) {
   std::ifstream stat("/proc/self/task/" + std::to_string(thread) + "/stat");
   std::string text;
@@ -1139,7 +1139,7 @@ TEST(Bench, ThatEndsEndsTheWaitForAnotherStepper) {
     begins.set_value(gettid());
     return clock ? clock->step(1, kLong).outcome().kind() : clock.outcome().kind();
   });
-  // It sleeps in the step: the other one never grants it.
+  // It sleeps in the step, because the other stepper never grants it.
   const pid_t thread = begins.get_future().get();
   const auto deadline = std::chrono::steady_clock::now() + kLong;
   while (!is_asleep(thread)) {
@@ -1176,14 +1176,14 @@ TEST(Bench, WithAStateDirectoryInUseIsRefusedByName) {
   EXPECT_EQ(message_of(options), "accepted");
 }
 
-/// metrics.address says nothing without metrics.port.
+/// metrics.address has no effect without metrics.port.
 bool is_of_a_network(const std::string& path) {
   if (path == "metrics.address") return false;
   return path.starts_with("network.") || path.starts_with("metrics.") || path.starts_with("wire.");
 }
 
-/// @return one line that chooses the value of a key of a section; empty when the configuration
-/// refuses the value, or the value is the default.
+/// @return a line that sets a key of a section to the value; empty if the configuration refuses the
+///         value or it is the default.
 std::string line_that_chooses(const std::string& path, const std::string& value) {
   const auto dot = path.find('.');
   std::string line = path.substr(0, dot) + ": {" + path.substr(dot + 1) + ": " + value + "}\n";
@@ -1198,7 +1198,7 @@ std::string line_that_chooses(const std::string& path, const std::string& value)
 }
 
 TEST(Bench, RefusesEachKeyAboutANetworkWithItsReason) {
-  // A value for each type of a key. A key of another type needs one here.
+  // A value for each type of key. A key of a new type needs one here.
   const std::array<std::string, 6> values{"1",      "65",         "true",
                                           "thread", "[10.0.0.9]", "[\"10.0.0.9:11811\"]"};
   std::size_t keys = 0;
@@ -1264,12 +1264,12 @@ TEST(Assert, NamesTheBenchThatTheThreadWorksFor) {
 
 // ---- fork --------------------------------------------------------------------------------------
 
-/// Runs `child` in a forked process. @return its exit code; 128 + the signal that ended it.
+/// Runs `child` in a forked process. @return its exit code, or 128 + the signal that ended it.
 template <typename Child>
 int exit_code_of(const Child& child) {
   const pid_t process = fork();
   if (process == 0) {
-    alarm(20);  // a child that hangs ends by a signal
+    alarm(20);  // ends a child that hangs by a signal
     _exit(child());
   }
   int status = 0;
@@ -1370,7 +1370,7 @@ TEST(Fork, RefusesABenchOfTheChildOnTheBusOfTheParent) {
             0);
 }
 
-// A thread of the parent may have the locks of the bus at the fork.
+// Another thread of the parent may hold the locks of the bus at the time of the fork.
 TEST(Fork, LetsTheChildAbandonASessionThatItInherited) {
   const Bench bench;
   Session session = bench.session();
@@ -1412,7 +1412,7 @@ TEST(Fork, LeavesTheLocksOfTheParentToTheParent) {
   waitpid(child, nullptr, 0);
 }
 
-// Such as a pool of processes whose parent was killed.
+// For example a process pool whose parent was killed.
 TEST(Fork, GivesTheChildNoLockOfAParentThatWasKilled) {
   const test::TemporaryDirectory directory;
   const BenchOptions options{.state_directory = directory.path() / "state",

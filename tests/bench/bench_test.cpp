@@ -39,7 +39,7 @@ std::size_t count_entries(const char* directory) {
 
 TEST(Bench, IsFoundAtOnceAndHasItsAxes) {
   const Bench bench({.axes = 3});
-  // A search that may not wait: over DDS it finds nothing.
+  // A search without waiting would find nothing over DDS.
   Session session = bench.session({.find_timeout = milliseconds(0)});
   const auto benches = session.find_benches();
   ASSERT_EQ(benches.size(), 1U);
@@ -47,7 +47,8 @@ TEST(Bench, IsFoundAtOnceAndHasItsAxes) {
   EXPECT_EQ(benches.front().clock_mode, ClockMode::lockstep);
 }
 
-/// @return the lines of /proc/self/maps that name a file in memory, such as one of memfd_create.
+/// @return the number of lines of /proc/self/maps with a file in memory, such as one of
+///         memfd_create.
 std::size_t count_files_in_memory() {
   const std::string maps = test::text_of("/proc/self/maps");
   std::size_t count = 0;
@@ -141,7 +142,7 @@ TEST(Bench, WithANumberThatIsOnTheBusIsRefusedByName) {
   }
 }
 
-// 4096 UU a turn of 10 mm: deploy/axes/ball-screw.yaml.
+// 4096 UU are a turn of 10 mm: deploy/axes/ball-screw.yaml.
 TEST(Bench, OfAPresetHasAxesOfThatMachine) {
   const Bench bench({.axes = 2, .preset = "ball-screw"});
   Session session = bench.session();
@@ -171,7 +172,8 @@ TEST(Bench, MeetsOthersOnItsBusAndNoneOfAnother) {
   EXPECT_EQ(session.find_bench(3).outcome().kind(), OutcomeKind::not_found);
 }
 
-/// @return how often each thread of this process but the calling one has waited, most first.
+/// @return how often each thread of this process except the calling one has waited, in descending
+///         order.
 std::vector<unsigned long> waits_of_other_threads() {
   constexpr std::string_view kLabel = "\nvoluntary_ctxt_switches:";
   std::vector<unsigned long> waits;
@@ -188,8 +190,8 @@ std::vector<unsigned long> waits_of_other_threads() {
 
 TEST(Bench, OfRealTimeThatNobodyWatchesWakesOneThreadInEveryTick) {
   const Bench bench({.clock = ClockMode::realtime});
-  // Its threads: the one of the ticks, the one of the status, the one of the reports. Where nobody
-  // reads, the second and the third wait for 5 ms, so for five ticks.
+  // Its threads are those of the ticks, the status and the reports. If nobody reads, the last two
+  // wait for 5 ms, that is for five ticks.
   std::vector<unsigned long> before = waits_of_other_threads();
   EXPECT_TRUE(test::holds_soon([&before] {
     const std::vector<unsigned long> now = waits_of_other_threads();
@@ -199,7 +201,7 @@ TEST(Bench, OfRealTimeThatNobodyWatchesWakesOneThreadInEveryTick) {
     }
     if (now[0] - before[0] < 200) return false;
     const bool are_rare = 2 * (now[1] - before[1]) < now[0] - before[0];
-    before = now;  // a thread that was late may have had fewer waits: the next 200 decide
+    before = now;  // a late thread may have waited less often, so the next 200 decide
     return are_rare;
   }));
 }
@@ -212,7 +214,7 @@ TEST(Bench, OfFreerunPassesDriveTimeByItself) {
   ASSERT_TRUE(reached) << reached.outcome().message();
 }
 
-/// Enables the axis and moves it. @return an empty text, or what failed.
+/// Enables the axis and moves it. @return an empty text, or the failure.
 std::string enable_and_move(Session& session, int number) {
   auto axis = session.axis("1." + std::to_string(number));
   if (!axis) return axis.outcome().message();
@@ -221,7 +223,7 @@ std::string enable_and_move(Session& session, int number) {
   return moved ? "" : moved.message();
 }
 
-/// Runs `work(number)` for the axes 1 to 4, each in a thread of its own. @return what it returned.
+/// Runs `work(number)` for axes 1 to 4, each in a separate thread. @return the results.
 template <typename Work>
 std::vector<std::string> in_four_threads(const Work& work) {
   std::vector<std::future<std::string>> running;
@@ -233,7 +235,7 @@ std::vector<std::string> in_four_threads(const Work& work) {
   return results;
 }
 
-// Drive time waits for each of them, also for a thread that the system does not run.
+// Drive time waits for every stepper, even for a thread that the system does not schedule.
 TEST(Bench, ServesSessionsOfSeveralThreadsThatJoinItsClock) {
   const Bench bench({.axes = 4});
   const auto failures = in_four_threads([&bench](int number) -> std::string {
@@ -280,7 +282,7 @@ TEST(Bench, TakesAnAxisFromASessionThatIsSilentWhileAnotherOneSteps) {
   EXPECT_THAT(client::what_it_shows(*lost), HasSubstr("join the clock that others step"));
 }
 
-// This program links vdrive::bench alone.
+// This program links vdrive::bench only.
 TEST(ProgramOfABench, LoadsNoDdsLibrary) {
   const Bench bench;
   ASSERT_TRUE(bench.session().axis("1.1"));

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The same programs over the local bus and over DDS: the same answers, the same axes in every tick
-// that is seen, the same events, and the same journal, which has every tick.
+// The same programs over the local bus and over DDS must give the same answers, the same axes in
+// every observed tick, the same events, and the same journal, which has every tick.
 #include "bench/random_program.hpp"
 #include "client/session_options.hpp"
 #include "support/effort.hpp"
@@ -30,7 +30,7 @@ constexpr const char* kConfiguration = VDRIVE_SOURCE_DIR "/tests/data/patient.ya
 /// The same bench over both wires, each with a journal.
 class BothWires : public testing::Test {
  protected:
-  /// @param local, over_dds each two sessions with a bench
+  /// @param local, over_dds each with two sessions of a bench
   static void run_sequences(ProgrammedBench& local, ProgrammedBench& over_dds) {
     for (std::uint32_t seed = 1; seed <= kSequences; ++seed) {
       ASSERT_EQ(difference_of(local.run(seed), over_dds.run(seed)), "") << "seed " << seed;
@@ -77,7 +77,7 @@ TEST_F(BothWires, GiveRandomProgramsTheSameAnswersAxesEventsAndJournal) {
   const test::JournalComparison journals =
       test::compare_journals(path("journal.local"), path("journal.dds"));
   ASSERT_EQ(journals.difference, "");
-  EXPECT_GT(journals.snapshots, kSequences);  // one each, and that of the start
+  EXPECT_GT(journals.snapshots, kSequences);  // one per program, and one at the start
 }
 
 }  // namespace

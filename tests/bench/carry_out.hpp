@@ -8,7 +8,7 @@
 
 namespace vdrive::bench {
 
-/// Carries an intent out by a call of the client library.
+/// Carries out an intent with a call of the client library.
 inline client::Outcome carry_out(client::Axis& axis, const test::Intent& intent,
                                  const client::CallOptions& call) {
   using enum test::Intent::Kind;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the tests that compare two journals find.
+// What a comparison of two journals finds.
 #include "support/journal_comparison.hpp"
 
 #include "journal/journal_file.hpp"
@@ -25,11 +25,11 @@ using testing::HasSubstr;
 
 enum class End : std::uint8_t { written, missing };
 
-/// What a journal of one axis holds.
+/// The content of a journal of one axis.
 struct Content {
   std::string configuration = "bench:\n  number: 1\nnetwork:\n  domain: 7\naxes:\n  - number: 1\n";
   std::int64_t value = 5'000;       ///< written before the first tick
-  std::uint32_t last_velocity = 1;  ///< check value of the last tick
+  std::uint32_t last_velocity = 1;  ///< checksum of the last tick
   std::uint64_t lost = 0;           ///< ticks before the snapshot
   std::byte state{};                ///< last byte of the snapshot, which has two
   End end = End::written;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// How much memory benches of a process take, and a thousand of them.
+// The memory of benches in one process, and a thousand of them.
 #include "vdrive/bench/bench.hpp"
 #include "vdrive/client.hpp"
 
@@ -21,18 +21,18 @@ namespace {
 using client::Session;
 
 constexpr std::size_t kKibi = 1'024;
-constexpr std::size_t kMostOfABench = 1'024 * kKibi;  ///< of two axes, with its session [bytes]
-/// Each answer that is remembered takes another page: 128 to the frames of a session (4 KiB each)
-/// and 128 to its requests (1.7 KiB), 0.7 MiB in all.
+constexpr std::size_t kMostOfABench = 1'024 * kKibi;  ///< two axes and a session [bytes]
+/// Each kept answer takes another page: 128 answers to the frames of a session (4 KiB each) and 128
+/// to its requests (1.7 KiB), 0.7 MiB in total.
 constexpr std::size_t kMostOfAMovedBench = kMostOfABench + 750 * kKibi;
 
 #ifdef VDRIVE_SANITIZED
-constexpr bool kIsMeasured = false;  // a sanitizer has memory of its own for each byte
+constexpr bool kIsMeasured = false;  // a sanitizer needs extra memory for each byte
 #else
 constexpr bool kIsMeasured = true;
 #endif
 
-// A sanitizer needs many times the time, and finds the same in fewer benches.
+// A sanitizer takes many times as long, and finds the same with fewer benches.
 constexpr std::uint32_t kThousand = kIsMeasured ? 1'000 : 100;
 
 /// @return the resident memory of this process [bytes].
@@ -51,19 +51,19 @@ struct Place {
   Session session;
 };
 
-/// Makes a bench and reads its first axis.
+/// Creates a bench and reads its first axis.
 std::unique_ptr<Place> make_place(const BenchOptions& options) {
   auto place = std::make_unique<Place>(options);
   EXPECT_TRUE(place->session.axis("1.1"));
   return place;
 }
 
-/// A bench reserves room for the largest messages, whatever its axes:
-/// docs/explanation/performance.md says how much. What counts is how much of it is used. Of a bench
-/// of two axes the largest part is 256 answers with room for 64 objects (0.4 MiB); the rest is a
-/// few pages of each queue.
+/// A bench reserves room for the largest messages, however many axes it has (see
+/// docs/explanation/performance.md), but only the used part counts. For a bench of two axes the
+/// largest part is 256 answers with room for 64 objects (0.4 MiB); the rest is a few pages per
+/// queue.
 TEST(BenchOfTwoAxes, TakesAtMostOneMebibyte) {
-  constexpr std::size_t kBenches = 100;  // so many that what the first one takes once is nothing
+  constexpr std::size_t kBenches = 100;  // enough to make the one-time costs negligible
   make_place({.axes = 2});
   const std::size_t before = resident();
   std::vector<std::unique_ptr<Place>> places;
@@ -92,7 +92,7 @@ TEST(BenchesOfTwoAxes, GiveTheirMemoryBackWhenTheyEnd) {
   const std::size_t after_all = resident();
   RecordProperty("kib_each", std::to_string((after_all - after_one) / kBenches / kKibi));
   if (kIsMeasured) {
-    // A tenth of what so many benches take.
+    // A tenth of the memory of that many benches.
     EXPECT_LE(after_all, after_one + kBenches * kMostOfAMovedBench / 10);
   }
 }
@@ -153,7 +153,7 @@ TEST(AThousandBenches, OfTenBusesAreAllMovedAndStepped) {
   }
 }
 
-/// A call looks at every bench of its bus, so only some of them move.
+/// A call checks every bench of its bus, so only some of them move.
 TEST(AThousandBenches, MeetOnOneBus) {
   constexpr std::uint32_t kBenches = kThousand;
   const std::vector<Bench> benches = benches_on_one_bus(kBenches);

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// Random programs of queued lines, moves, modes and stops, by one to six axes: each call ends as
-// the program itself tells that it has to, a success is at its target, and a failure names what the
-// program did. A case that fails is printed as a program in Python that a person can paste; its
-// seed is that of the test's name and number.
+// Random programs of queued lines, moves, modes and stops with one to six axes. Each call must end
+// as the program's own model predicts: after a success the axis is at its target, and a failure
+// names the action of the program that caused it. A failing case is printed as a Python program to
+// paste; its seed follows from the name and the number of the test.
 #include "bench/carry_out.hpp"
 #include "support/effort.hpp"
 #include "support/programs/generator.hpp"
@@ -41,15 +41,15 @@ using client::Session;
 
 constexpr std::size_t kMostAxes = 6;
 constexpr int kSteps = 12;
-constexpr std::int32_t kReach = 3'000;  // farthest target from 0
-constexpr double kRate = 10.0;          // of drive time in real time
+constexpr std::int32_t kReach = 3'000;  // the farthest target from 0
+constexpr double kRate = 10.0;          // drive time over real time
 
-/// What the program knows of an axis, beyond its status: only this tells why a call has to end.
+/// What the program knows of an axis beyond its status, which is enough to predict how a call ends.
 struct Known {
   bool is_enabled = false;
-  bool runs = false;       ///< with a velocity or a torque, without an end
+  bool runs = false;       ///< at a velocity or torque, without an end
   bool is_halted = false;  ///< bit 8 is 1
-  bool moves = false;      ///< a move may be on its way
+  bool moves = false;      ///< a move may be in progress
 };
 
 /// A move that the program has started.
@@ -57,11 +57,11 @@ struct Started {
   std::size_t axis;
   std::int32_t target;
   Motion motion;
-  std::string name;     ///< in the printed program
-  std::string cause{};  ///< what ends it, in its message; empty = it goes on
+  std::string name;     ///< its name in the printed program
+  std::string cause{};  ///< the part of its message that names what ends it; empty = it continues
 };
 
-/// One random program on a bench of this process.
+/// A random program on a bench in this process.
 class MotionProgram {
  public:
   MotionProgram(Session& session, std::vector<Axis> axes, std::uint32_t seed)
@@ -70,7 +70,7 @@ class MotionProgram {
         known_(axes_.size()),
         group_(AxisGroup::create(session, axes_).value()) {}
 
-  /// @return what went wrong, empty = nothing did.
+  /// @return the first error; empty = none.
   std::string run() {
     using Step = void (MotionProgram::*)();
     static constexpr std::array<Step, 8> kKinds{
@@ -106,8 +106,8 @@ class MotionProgram {
     return text_;
   }
 
-  /// Compares the outcome of a call with what the program expects of it.
-  /// @param cause in the message of a refusal or a failure; empty = the call has to succeed
+  /// Compares the outcome of a call with the expectation.
+  /// @param cause expected in the message of a refusal or failure; empty = the call must succeed
   /// @return whether it succeeded
   bool expect(const Outcome& outcome, const std::string& cause) {
     text_ << "  # " << to_string(outcome.kind()) << ' ' << outcome.message() << '\n';
@@ -136,7 +136,7 @@ class MotionProgram {
                        std::to_string(status.*demand) + " instead of " + std::to_string(target);
   }
 
-  /// What the program does to an axis ends its moves.
+  /// Notes that an action of the program ends the moves of the axis.
   void end_moves(std::size_t axis, const std::string& cause) {
     for (Started& started : started_) {
       if (started.axis == axis && started.cause.empty()) started.cause = cause;
@@ -148,7 +148,7 @@ class MotionProgram {
     return known_[axis].is_enabled ? "" : "needs Operation enabled";
   }
 
-  /// @return why no line can start, empty = it can.
+  /// @return why no line can start; empty = one can.
   [[nodiscard]] std::string obstacle_of_line() const {
     for (const Known& axis : known_) {
       if (!axis.is_enabled) return "needs Operation enabled";
@@ -159,9 +159,9 @@ class MotionProgram {
     return any_moves ? "still moves" : "";
   }
 
-  // What a program may do.
+  // The actions of a program.
 
-  // The axes rest whatever mode and velocity they had: enabling clears 60FFh.
+  // The axes remain at rest whatever mode and velocity they had, because enabling clears 60FFh.
   void enable() {
     text_ << "g.enable_all()";
     (void)expect(group_.enable_all(), "");
@@ -182,7 +182,8 @@ class MotionProgram {
     text_ << ']';
   }
 
-  /// A line may start while a move that has come to its end is not waited for: the axes rest then.
+  /// Waits until the axes are at rest, because a line may start although nobody has waited for a
+  /// finished move.
   void rest() {
     for (std::size_t axis = 0; axis < axes_.size(); ++axis) {
       if (!known_[axis].moves || known_[axis].is_halted) continue;
@@ -309,7 +310,7 @@ class MotionProgram {
   std::string error_;
 };
 
-/// Runs the program of each seed from `first` on, on a bench of its own.
+/// Runs the programs of `count` seeds from `first` on, each on a new bench.
 void run_programs(ClockMode clock, std::uint32_t first, int count) {
   const char* const mode = clock == ClockMode::lockstep ? "lockstep" : "realtime";
   for (std::uint32_t seed = first; seed < first + static_cast<std::uint32_t>(count); ++seed) {
@@ -338,7 +339,7 @@ TEST_P(MotionPrograms, OfAnySeedInLockStepEndAsTheyHaveTo) {
 
 INSTANTIATE_TEST_SUITE_P(Share, MotionPrograms, testing::Range(0U, kShares));
 
-// With the shares in lock-step 10,000 in a full run.
+// Together with the lock-step shares, a full run has 10,000 programs.
 TEST(MotionProgramsInRealTime, OfAnySeedEndAsTheyHaveTo) {
   run_programs(ClockMode::realtime, 500'000,
                test::number_of<int>({.usual = 3, .full = 200, .nightly = 2'000}));

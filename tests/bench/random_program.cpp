@@ -32,10 +32,10 @@ using client::Until;
 
 constexpr std::uint32_t kBench = 1;
 constexpr CallOptions kAtOnce{.timeout = 2s, .until = Until::in_force};
-// A call to the end steps tick by tick: it does not have to succeed.
+// A call that waits for the end steps tick by tick; it need not succeed.
 constexpr CallOptions kToTheEnd{.timeout = 50ms, .until = Until::done};
 
-// A bench takes 1,024 frames that nobody has waited for.
+// A bench accepts 1,024 frames that nobody has waited for.
 constexpr std::uint32_t kFramesOfALongBurst = 150;
 constexpr std::uint32_t kFramesOfABurst = 25;
 
@@ -55,7 +55,7 @@ std::string text_of(const client::SetPointRefusal& refusal) {
          hex(static_cast<std::uint32_t>(refusal.code), 8);
 }
 
-/// The image between a power cycle and the next tick is that of no tick.
+/// The image between a power cycle and the next tick belongs to no tick.
 void expect_valid(const AxisStatus& status) {
   const PowerState state = decode_power_state(status.ds402_statusword);
   if (state == PowerState::not_ready_to_switch_on) return;
@@ -81,7 +81,7 @@ std::string difference_of(const Refusals& one, const Refusals& other) {
 void ProgramLog::note(const client::Outcome& outcome) {
   std::string message = outcome.message();
   if (const client::AxisOwner* const owner = outcome.owner()) {
-    // Over a network the name of its program may come too late.
+    // Over a network the name of its program may arrive too late.
     const std::string end = to_string(*owner);
     if (message.ends_with(end)) message.resize(message.size() - end.size());
     message += "axis " + to_string(owner->axis) + " of " + numbers_.name_of(owner->session);
@@ -188,7 +188,7 @@ std::string RandomProgram::run() {
       {"clock", &RandomProgram::use_clock},
       {"snapshot", &RandomProgram::use_snapshot},
   });
-  if (below(4) != 0) enable_group();  // else most commands would be refused
+  if (below(4) != 0) enable_group();  // otherwise most commands would be refused
   observe();
   for (int count = 0; count < kCommandsOfAProgram; ++count) {
     const Command what = below(3) == 0 ? Command{"command", &RandomProgram::command}
@@ -209,7 +209,7 @@ void RandomProgram::observe() {
   for (const client::AxisSnapshot& axis : seen_.axes) expect_valid(axis.status);
 }
 
-/// A call of one axis. Those that end by themselves are waited for.
+/// Makes a call of one axis. Calls that end by themselves are waited for.
 void RandomProgram::command() {
   using enum test::Intent::Kind;
   static constexpr std::array kKinds{enable,      enable,  move_by, halt,   resume,      quick_stop,
@@ -228,7 +228,7 @@ void RandomProgram::move() {
       any_target(), {.velocity = 1'000 + below(50'000), .queue = below(2) == 0, .call = kAtOnce}));
 }
 
-// No controlword: the client library knows of bits 4 to 8 what it has sent itself.
+// No controlword is written, because the client library assumes that it sets bits 4 to 8 itself.
 void RandomProgram::write() {
   const std::size_t place = below(axes_.size());
   const AxisStatus& status = seen_.axes.at(place).status;
@@ -303,14 +303,14 @@ SetPoint RandomProgram::set_point(std::size_t place, OperatingMode mode, std::in
   if (number == 0) {
     point.mode = mode;
     point.controlword = kEnabled;
-    // The last one is refused: a frame stores nothing.
+    // The last object is refused: a frame cannot store parameters.
     point.objects = {{kProfileVelocity, below(200'000)}, {kPositioningOption, below(4)}};
     if (below(4) == 0) point.objects.push_back({kStoreParameters, 1});
   }
   return point;
 }
 
-/// @param first_tick of the frames; 0 = each is for the next tick
+/// @param first_tick the tick of the first frame; 0 = each is for the next tick
 void RandomProgram::send(std::uint64_t first_tick) {
   constexpr std::array kModes{
       OperatingMode::cyclic_synchronous_position, OperatingMode::cyclic_synchronous_velocity,
@@ -336,7 +336,7 @@ void RandomProgram::send_burst() {
   send(0);
 }
 
-/// Some come too late.
+/// Some of them arrive too late.
 void RandomProgram::send_burst_ahead() {
   send(seen_.tick + below(20));
 }
@@ -401,8 +401,8 @@ void RandomProgram::stream() {
 
 // ---- control and time --------------------------------------------------------------------------
 
-// A request leaves the tick as it is, and of two equal events in one tick a session is told of one
-// only: so time passes after a change of control.
+// A request does not advance the tick, and of two equal events in one tick a session receives only
+// one. Therefore time must pass after a change of control.
 
 void RandomProgram::take_control() {
   Axis& axis = any_axis();
@@ -424,8 +424,8 @@ void RandomProgram::use_second_session() {
   using enum test::Intent::Kind;
   static constexpr std::array kOfSecond{enable, move_to, halt, quick_stop, run_at};
   Axis& axis = axes_of_second_[below(axes_of_second_.size())];
-  // While the first session alone steps the clock, a frame of the second one would have no tick in
-  // which it is sure to be in force.
+  // While only the first session steps the clock, there is no tick by which a frame of the second
+  // one is certain to be in force.
   switch (below(clock_ ? 5 : 10)) {
     case 0:
       log_.note(axis.acquire());
@@ -509,17 +509,17 @@ std::string ProgrammedBench::run(std::uint32_t seed) {
 }
 
 void ProgrammedBench::put_back() {
-  group_.take_over().or_throw();  // a snapshot is restored while no other session has an axis
+  group_.take_over().or_throw();  // restoring requires that no other session has an axis
   first_.restore_snapshot(kBench, begin_).outcome().or_throw();
   first_.step(kBench, 1).outcome().or_throw();
-  // A running axis is released once it is seen to stop.
+  // A running axis is released only when it has been seen to stop.
   for (Session* const session : {&first_, &second_}) {
     session->observe(ids_).outcome().or_throw();
     session->release(kBench).or_throw();
   }
 }
 
-/// Control that changes is an event that no other one is equal to, by its epoch.
+/// The change of control causes an event that is unique because of its epoch.
 void ProgrammedBench::await_events() {
   axis_of_second_.take_over().or_throw();
   first_.step(kBench, 1).outcome().or_throw();
@@ -547,7 +547,8 @@ std::string ProgrammedBench::difference_from(const ProgrammedBench& other) const
   return difference_of(refusals(), other.refusals());
 }
 
-/// More than a bench tells of in a second. No program lets the second session take snapshots.
+/// Causes more events than a bench passes on in a second. No program lets the second session take
+/// snapshots.
 void ProgrammedBench::cause_equal_events() {
   constexpr auto kMost = static_cast<std::uint32_t>(service::EventLimiter::kEqual.burst);
   for (std::uint32_t i = 0; i < 2 * kMost; ++i) {
@@ -556,15 +557,15 @@ void ProgrammedBench::cause_equal_events() {
   }
 }
 
-/// @return whether some of these events were left out. All earlier ones are counted then: those
-///         that were left out of them are told no later than these.
+/// @return whether some of these events were left out. Then all earlier events are counted, because
+///         those that were left out are reported no later than these.
 bool ProgrammedBench::is_left_out_after_wait() const {
   constexpr std::uint32_t kTaken = 1;
   const auto numbers_in = [&](const test::EventLog& log) {
     return log.numbers_of(client::EventKind::snapshot, 0, kTaken, second_.id());
   };
   const bool are_counted = test::holds_soon([&] {
-    first_.observe(ids_).outcome().or_throw();  // a bench in this process works in calls only
+    first_.observe(ids_).outcome().or_throw();  // a bench in this process works only during calls
     return numbers_in(events_of_first_).all == caused_ &&
            numbers_in(events_of_second_).all == caused_;
   });
@@ -573,7 +574,8 @@ bool ProgrammedBench::is_left_out_after_wait() const {
 }
 
 std::string ProgrammedBench::await_same_news(ProgrammedBench& other) {
-  // Both benches may lack as many events: that they are the same says nothing before all are told.
+  // Both benches may have left out the same number of events, so equality means nothing until all
+  // are reported.
   bool are_all_told = false;
   while (!are_all_told) {
     cause_equal_events();

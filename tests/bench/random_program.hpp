@@ -21,7 +21,7 @@ namespace vdrive::bench {
 
 inline constexpr int kCommandsOfAProgram = 16;
 
-/// What a program sees of its calls and of the axes; two programs are compared by it.
+/// The record of a program's calls and axes by which two programs are compared.
 class ProgramLog {
  public:
   explicit ProgramLog(const test::SessionNumbers& numbers) : numbers_(numbers) {}
@@ -31,13 +31,13 @@ class ProgramLog {
   void note(const client::Result<client::GroupStatus>& status);
   void note(const client::Result<client::Readings>& readings);
 
-  /// The value of a call, such as the tick that it has reached.
+  /// Notes the value of a call, such as the tick that it has reached.
   void note(const client::Result<std::uint64_t>& value) {
     note(value.outcome());
     if (value) text_ << *value << '\n';
   }
 
-  /// What comes next is a result of this command.
+  /// Notes that the next result belongs to this command.
   void begin(std::string_view command) { text_ << command << ": "; }
 
   [[nodiscard]] std::string text() const { return text_.str(); }
@@ -49,18 +49,18 @@ class ProgramLog {
   std::ostringstream text_;
 };
 
-/// @return the first line in which two logs differ, behind what came before it; empty = none.
+/// @return the first line in which two logs differ, after the lines before it; empty = none.
 [[nodiscard]] std::string difference_of(const std::string& one, const std::string& other);
 
-/// A random program of two sessions in one thread: the same for the same seed. Its calls of one
-/// axis are those of the generator; groups, streams, jogging, clocks and snapshots are its own.
+/// A random program of two sessions in one thread, reproducible from its seed. Its single-axis
+/// calls come from the generator; groups, streams, jogging, clocks and snapshots are its own.
 class RandomProgram {
  public:
-  /// @param second takes axes from the first one, which lets time pass
+  /// @param second takes axes from the first session, which lets time pass
   RandomProgram(client::Session& first, client::Session& second,
                 const test::SessionNumbers& numbers, std::uint32_t seed);
 
-  /// @return what the program saw.
+  /// @return the log of the program.
   std::string run();
 
  private:
@@ -79,7 +79,7 @@ class RandomProgram {
 
   void observe();
 
-  // What a program may do.
+  // The actions of a program.
   void command();
   void move();
   void write();
@@ -116,29 +116,28 @@ class RandomProgram {
   ProgramLog log_;
 };
 
-/// A bench in lock-step for random programs, two sessions with it, and the events that they are
-/// told.
+/// A lock-step bench for random programs, two sessions with it, and the events that they receive.
 class ProgrammedBench {
  public:
-  /// @param first, second sessions with one bench, which has the number 1; they outlive this object
+  /// @param first, second sessions of one bench, which has number 1; they outlive this object
   ProgrammedBench(client::Session& first, client::Session& second);
   ~ProgrammedBench();
   ProgrammedBench(const ProgrammedBench&) = delete;
   ProgrammedBench& operator=(const ProgrammedBench&) = delete;
 
-  /// Puts the axes back, runs the program of this seed, and waits for the events that it caused.
-  /// @return what the program saw
-  /// @throws std::runtime_error where an event does not come
+  /// Resets the axes, runs the program of this seed, and waits for the events that it has caused.
+  /// @return the log of the program
+  /// @throws std::runtime_error if an event does not arrive
   std::string run(std::uint32_t seed);
 
-  /// Waits until its sessions were told of the same events and refused set-points as those of
-  /// another bench: what a bench leaves out of equal events is told a second later.
+  /// Waits until its sessions have received the same events and refusals of set-points as those of
+  /// another bench. Equal events that a bench leaves out are reported a second later.
   /// @return the first difference after a deadline, or an empty text
   [[nodiscard]] std::string await_same_news(ProgrammedBench& other);
 
   [[nodiscard]] const test::EventLog& events() const { return events_of_first_; }
 
-  /// @return the values of set-points that were refused, in the order in which that was told.
+  /// @return the refused values of set-points, in the order in which they were reported.
   [[nodiscard]] std::vector<client::SetPointRefusal> refusals() const;
 
  private:
@@ -157,10 +156,10 @@ class ProgrammedBench {
   client::Axis axis_of_second_;
   std::vector<client::AxisId> ids_;
   client::AxisGroup group_;
-  std::uint64_t begin_;       ///< snapshot
+  std::uint64_t begin_;       ///< a snapshot
   std::uint64_t caused_ = 0;  ///< by cause_equal_events
   mutable std::mutex mutex_;
-  std::vector<client::SetPointRefusal> refusals_;  ///< with the mutex
+  std::vector<client::SetPointRefusal> refusals_;  ///< guarded by the mutex
 };
 
 }  // namespace vdrive::bench

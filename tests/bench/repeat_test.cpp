@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// The same programs on two benches of one process, at the same time: the same answers, axes, events
-// and journals. A thread sanitizer sees both benches; tests/bench/both_wires_test.cpp compares one
-// of them with DDS.
+// The same programs on two benches of one process, at the same time, must give the same answers,
+// axes, events and journals. A thread sanitizer sees both benches; tests/bench/both_wires_test.cpp
+// compares one with DDS.
 #include "bench/random_program.hpp"
 #include "support/journal_comparison.hpp"
 #include "support/temporary_directory.hpp"
@@ -30,7 +30,7 @@ struct OneOfTwo {
                .state_directory = state,
                .journal = journal}) {}
 
-  /// @return the logs of the programs with the seeds 1 to kPrograms.
+  /// @return the logs of the programs with seeds 1 to kPrograms.
   std::string run() {
     std::string logs;
     for (std::uint32_t seed = 1; seed <= kPrograms; ++seed) logs += programs.run(seed);
@@ -61,7 +61,7 @@ TEST(TwoBenchesOfAProcess, RepeatEachOtherInEveryTick) {
   const test::JournalComparison journals =
       test::compare_journals(path("journal.1"), path("journal.2"));
   ASSERT_EQ(journals.difference, "");
-  EXPECT_GT(journals.snapshots, kPrograms);  // one each, and that of the start
+  EXPECT_GT(journals.snapshots, kPrograms);  // one per program, and one at the start
 }
 
 }  // namespace

@@ -20,7 +20,7 @@ const std::filesystem::path kStrangers = VDRIVE_SOURCE_DIR "/deploy/axes/habits"
 constexpr ObjectAddress kStrangersMode{0x6060, 0};
 constexpr ObjectAddress kStrangersLoop{0x5E20, 6};
 
-/// The axis of the bench of one of the files, in lock-step.
+/// The axis of one of the files on a lock-step bench.
 struct Stranger {
   Bench bench;
   client::Session session;
@@ -37,12 +37,12 @@ struct Stranger {
     EXPECT_EQ(*read, value) << object;
   }
 
-  /// A group of the axis alone.
+  /// @return a group of this axis only.
   client::AxisGroup group() {
     return client::AxisGroup::create(session, std::array<client::Axis, 1>{axis}).value();
   }
 
-  /// @return [UU] where the load is.
+  /// @return the position of the load [UU].
   [[nodiscard]] std::int32_t position() const {
     return axis.status().value().status.load_position_actual_value;
   }
@@ -79,7 +79,7 @@ TEST(Strangers, TheSlowBrakeIsWaitedFor) {
   ASSERT_TRUE(enabled) << enabled.message();
   EXPECT_GE(slow.axis.status().value().tick, before + 300);
   slow.expect_moves();
-  // Without power it falls until its brake holds it: for 30 ms with 0.6 N.m on 6e-4 kg.m2.
+  // Without power it falls until its brake engages, for 30 ms with 0.6 N.m on 6e-4 kg.m2.
   ASSERT_TRUE(slow.axis.disturb(client::Disturbance::over_current));
   ASSERT_TRUE(slow.session.step(1, 100));
   const std::int32_t caught = slow.position();
@@ -93,8 +93,8 @@ TEST(Strangers, TheSlowBrakeIsWaitedFor) {
   EXPECT_TRUE(slow.axis.enable());
 }
 
-// Habit g and the brake of the model add up. The motor stands still with 0.6 N.m of its 3 N.m; its
-// friction of 0.05 N.m may carry 17 ‰ of them.
+// Habit g and the release time of the model's brake add up. At rest the motor holds 0.6 N.m of its
+// 3 N.m, up to 17 ‰ less or more because of its friction of 0.05 N.m.
 TEST(Strangers, TheWeightOfTheSlowBrakeIsOnItsBrakeUntilThatIsOpen) {
   Stranger slow("slow-brake.yaml");
   ASSERT_TRUE(slow.session.step(1, 200));
@@ -130,7 +130,7 @@ TEST(Strangers, TheStepperFollowsAStreamFromItsFirstPositionOn) {
   EXPECT_TRUE(group.stop_streaming());
 }
 
-// The words 0006h, 0007h and 000Fh come in one tick, of which it sees the last one.
+// Controlwords 0006h, 0007h and 000Fh arrive in one tick, and the drive sees only the last.
 TEST(Strangers, ADriveThatLooksOnceIn4MsIsEnabledWordByWordWhereItNeedsEach) {
   Stranger old("old-servo.yaml");
   ASSERT_TRUE(old.axis.write(kStrangersLoop, 4));
