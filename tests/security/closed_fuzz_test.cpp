@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// A closed bench and its client under datagrams of their own run whose clear fields are changed.
-// Kept datagrams would not do: the keys are new in each run, and what belongs to no known
-// participant never reaches the decryption.
+// Sends a closed bench and its client datagrams of their own run with changes in the fields that
+// are in clear. Recorded datagrams would not do, because the keys are new in each run, and
+// datagrams that belong to no known participant never reach the decryption.
 #include "guard/datagram_check.hpp"
 #include "guard/rtps.hpp"
 #include "security/material.hpp"
@@ -50,13 +50,13 @@ using Clock = std::chrono::steady_clock;
 
 namespace fs = std::filesystem;
 
-/// A datagram and the port that it went to.
+/// A datagram and its destination port.
 struct Captured {
   std::uint16_t port = 0;
   Datagram datagram;
 };
 
-/// What is in clear in it, so that rare kinds are changed as often as frequent ones.
+/// The kind of content in clear, by which rare datagrams are changed as often as frequent ones.
 enum class Content : std::uint8_t { message, keys, handshake, announcement, other };
 constexpr std::size_t kContents = 5;
 constexpr std::array<const char*, kContents> kContentNames{
@@ -77,10 +77,11 @@ Content content_of(const Datagram& datagram) {
   return Content::other;
 }
 
-/// Keeps what a domain sends on loopback, some of each content, the newest among them.
+/// Captures the datagrams of a domain on loopback; keeps some of each content, including the
+/// newest.
 class Capture {
  public:
-  /// @param own_port whose datagrams are ours
+  /// @param own_port the port from which this test sends
   explicit Capture(std::uint16_t own_port)
       : own_port_(own_port),
         first_port_(static_cast<std::uint16_t>(7400 + 250 * test_domain())),
@@ -114,7 +115,7 @@ class Capture {
     return counts_;
   }
 
-  /// @return one of what was captured, each content with the same probability.
+  /// @return a captured datagram; each content has the same probability.
   Captured any(std::mt19937_64& random) {
     const std::scoped_lock lock(mutex_);
     std::vector<Captured>* kept = nullptr;
@@ -123,7 +124,7 @@ class Capture {
   }
 
  private:
-  static constexpr std::size_t kKept = 64;  ///< of each content
+  static constexpr std::size_t kKept = 64;  ///< per content
   static constexpr std::size_t kUdpHeader = 8;
 
   void read() {
@@ -132,7 +133,7 @@ class Capture {
     socklen_t size = sizeof from;
     const ssize_t length =
         recvfrom(socket_, packet.data(), packet.size(), 0, std::bit_cast<sockaddr*>(&from), &size);
-    // Loopback shows each packet when it leaves and when it arrives.
+    // Loopback shows each packet twice: when it is sent and when it is received.
     if (length < 28 || from.sll_pkttype == PACKET_OUTGOING || packet[9] != IPPROTO_UDP) return;
     packet.resize(static_cast<std::size_t>(length));
     const std::size_t ip_header = std::size_t{4} * (packet[0] & 15U);
@@ -169,7 +170,7 @@ class Capture {
   std::thread reader_;
 };
 
-/// Changes what is in clear: headers, lengths, counts, prefixes, order.
+/// Changes parts that are in clear: headers, lengths, counts, prefixes, order.
 class ClearFieldMutator {
  public:
   void change(Datagram& datagram, std::mt19937_64& random) {
@@ -218,7 +219,7 @@ class ClearFieldMutator {
     return found == parts.end() ? parts.back() + 4 : *found + 4;
   }
 
-  /// A number of 32 bits becomes one at which sums and comparisons go wrong.
+  /// Replaces a 32-bit number by one that is likely to upset sums and comparisons.
   void number(Datagram& datagram, std::size_t place) {
     if (place + 4 > datagram.size()) return;
     constexpr std::array<std::uint32_t, 10> kNumbers{
@@ -239,7 +240,7 @@ class ClearFieldMutator {
     datagram[part + 3] = static_cast<std::uint8_t>(value >> 8U);
   }
 
-  /// A submessage is left out, repeated or put behind the last.
+  /// Omits, repeats or moves a submessage to the end.
   void move(Datagram& datagram, const std::vector<std::size_t>& parts) {
     const std::size_t which = below(parts.size());
     const std::size_t from = std::min(parts.at(which), datagram.size());
@@ -255,7 +256,7 @@ class ClearFieldMutator {
     if (datagram.size() < 24) datagram.resize(24);
   }
 
-  /// The number of MACs, with or without as many of them.
+  /// Changes the number of MACs, with or without the matching number of them.
   void postfix(Datagram& datagram, const std::vector<std::size_t>& parts) {
     const std::size_t part = parts.back();
     if (part + 24 > datagram.size()) return;
@@ -272,7 +273,7 @@ class ClearFieldMutator {
   std::mt19937_64* random_ = nullptr;
 };
 
-/// Sends on loopback from a port of its own.
+/// Sends on loopback from a separate port.
 class Sender {
  public:
   Sender() : socket_(socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0)) {
@@ -310,7 +311,7 @@ class Sender {
   int socket_;
 };
 
-/// @return the datagrams for which the sockets of the domain, those that are open now, had no room.
+/// @return the number of datagrams for which the domain's open sockets had no room.
 std::uint64_t lost_in_sockets() {
   std::ifstream file("/proc/net/udp");
   std::uint64_t lost = 0;
@@ -332,7 +333,8 @@ bool has_ended(const Process& process) {
          info.si_pid != 0;
 }
 
-/// A closed bench whose wire is threads, so that what ends its wire ends it, and a client.
+/// A closed bench and a client. The wire of the bench is a thread, so if the wire dies the service
+/// does, too.
 class FuzzedBench : public testing::Test {
  protected:
   void SetUp() override {
@@ -361,7 +363,7 @@ class FuzzedBench : public testing::Test {
                                  "--security", controller_.string()});
   }
 
-  /// A client may end by itself: anybody can announce the end of its bench.
+  /// A client may end without an error, because anybody can announce the end of its bench.
   [[nodiscard]] bool replace_ended_client() {
     if (!has_ended(*client_)) return true;
     const Finished ended = client_->wait();
@@ -374,7 +376,8 @@ class FuzzedBench : public testing::Test {
     return true;
   }
 
-  /// Sends `count` changed datagrams of this run back to it. @return whether both still live.
+  /// Sends `count` changed datagrams of this run back to it. @return whether service and client
+  /// survive.
   [[nodiscard]] bool attack(std::uint64_t count) {
     for (std::uint64_t number = 0; number < count; ++number) {
       Captured captured = capture_.any(random_);
@@ -385,7 +388,7 @@ class FuzzedBench : public testing::Test {
       }
       note(captured.datagram);
       sender_.send(captured);
-      // The sockets hold some hundred datagrams: a short rest lets them be read.
+      // The sockets hold some hundred datagrams, so a short pause lets them be read.
       if (number % 64 == 0) std::this_thread::sleep_for(1ms);
       if (number % 1024 != 0) continue;
       if (has_ended(*service_)) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Programs that send floods: the memory of the service stays bounded, and it serves other clients.
+// Programs that flood the service: its memory stays bounded, and it still serves other clients.
 #include "service/probe.hpp"
 #include "support/test_domain.hpp"
 #include "tool/process.hpp"
@@ -34,14 +34,14 @@ namespace {
 
 using namespace std::chrono_literals;
 
-/// The queues keep the room that their largest messages took: 1,024 arrivals and 1,024 waiting
-/// frames of at most 256 axes with some 300 bytes each are 160 MB, the readers' histories of 1,024
-/// samples of at most 75 kB the same again.
+/// The queues keep the room of their largest messages: 1,024 arrivals and 1,024 waiting frames of
+/// at most 256 axes with some 300 bytes each are 160 MB; the readers' histories of 1,024 samples of
+/// at most 75 kB are as much again.
 constexpr std::size_t kMostMemory = std::size_t{512} * 1024;  // [kB]
-/// What a second flood of the same kind may add to the first.
+/// The most that a second flood of the same kind may add.
 constexpr std::size_t kLeeway = std::size_t{16} * 1024;  // [kB]
 
-/// A program that sends and never reads.
+/// A program that only sends and never reads.
 class Flooder {
  public:
   Flooder()
@@ -53,7 +53,7 @@ class Flooder {
     return requests_.wait_for_matched(1, within) && frames_.wait_for_matched(1, within);
   }
 
-  // A message that is not accepted has waited until the service had room, which is allowed.
+  // A message that is not accepted has waited for room in the service, which is allowed.
   void send(const msg::Request& request) { static_cast<void>(requests_.write(request)); }
 
   void send(const msg::CommandFrame& frame) { static_cast<void>(frames_.write(frame)); }
@@ -205,7 +205,7 @@ std::vector<Flood> floods() {
   };
 }
 
-/// @param what "VmRSS:" resident memory of that process, "VmHWM:" the most that it ever was [kB]
+/// @param what "VmRSS:" the resident memory of the process, "VmHWM:" its highest value so far [kB]
 std::size_t memory_of(const Process& process, const char* what) {
   std::ifstream status("/proc/" + std::to_string(process.id()) + "/status");
   for (std::string line; std::getline(status, line);) {
@@ -218,7 +218,7 @@ class AFloodedService : public testing::TestWithParam<Flood> {
  protected:
   [[nodiscard]] std::size_t memory() const { return memory_of(service_, "VmRSS:"); }
 
-  /// Floods, and waits until everything that arrived has been handled.
+  /// Floods the service and waits until everything that arrived has been handled.
   void flood() {
     {
       Flooder flooder;
@@ -237,7 +237,7 @@ class AFloodedService : public testing::TestWithParam<Flood> {
 
 TEST_P(AFloodedService, KeepsItsMemoryBoundedAndServesAGoodClient) {
   ASSERT_TRUE(probe_.find_bench());
-  // Queues allocate their pages at their first use: the memory settles after some floods.
+  // Queues allocate their pages on first use, so the memory settles only after some floods.
   flood();
   std::size_t before = 0;
   std::size_t after = memory();
@@ -262,8 +262,8 @@ INSTANTIATE_TEST_SUITE_P(Floods, AFloodedService, testing::ValuesIn(floods()),
 // ---- sizes that are claimed
 // -----------------------------------------------------------------------
 
-/// The first fragment of an announcement of `size` bytes (RTPS 2.3, 9.4.5.4), in the name of a
-/// known participant: those of unknown ones are refused.
+/// @return the first fragment of an announcement of `size` bytes (RTPS 2.3, 9.4.5.4), in the name
+///         of a known participant, because those of unknown ones are refused.
 std::vector<std::uint8_t> fragment_of_an_announcement(const wire::Source& source,
                                                       std::uint32_t size, std::uint8_t number) {
   constexpr std::size_t kFragment = 1024;
@@ -275,7 +275,7 @@ std::vector<std::uint8_t> fragment_of_an_announcement(const wire::Source& source
   add({0x16, 1, (32 + kFragment) % 256, (32 + kFragment) / 256});  // DATA_FRAG, little endian
   add({0, 0, 28, 0, 0, 1, 0, 0xC7, 0, 1, 0, 0xC2});                // from and to discovery
   add({0, 0, 0, 0, number, 0, 0, 1});                              // sequence number
-  add({1, 0, 0, 0, 1, 0, kFragment % 256, kFragment / 256});       // the first, only this
+  add({1, 0, 0, 0, 1, 0, kFragment % 256, kFragment / 256});       // the first, and only this one
   for (int shift = 0; shift < 32; shift += 8) {
     packet.push_back(static_cast<std::uint8_t>(size >> shift));
   }
@@ -283,8 +283,8 @@ std::vector<std::uint8_t> fragment_of_an_announcement(const wire::Source& source
   return packet;
 }
 
-/// An announcement of another participant each time, which may be silent for some seconds
-/// (RTPS 2.3, 8.5.3.2 and 9.6.2.2).
+/// @return an announcement of a different participant for each number, with a lease of `lease`
+///         seconds (RTPS 2.3, 8.5.3.2 and 9.6.2.2).
 std::vector<std::uint8_t> announcement(std::uint32_t number, std::uint8_t lease = 2) {
   const std::array<std::uint8_t, 12> prefix{1,
                                             15,
@@ -319,7 +319,7 @@ std::vector<std::uint8_t> announcement(std::uint32_t number, std::uint8_t lease 
   return packet;
 }
 
-/// An announcement that is larger than any accepted one.
+/// @return an announcement that is larger than any accepted one.
 std::vector<std::uint8_t> long_announcement(std::uint32_t number) {
   constexpr std::uint16_t kSize = 20'000;
   std::vector<std::uint8_t> packet = announcement(number);
@@ -332,7 +332,7 @@ std::vector<std::uint8_t> long_announcement(std::uint32_t number) {
   return packet;
 }
 
-/// To the discovery ports of the service and of the two participants of this test.
+/// Sends to the discovery ports of the service and of the two participants of this test.
 void send_to_discovery(const std::vector<std::uint8_t>& packet) {
   const int socket_of_it = socket(AF_INET, SOCK_DGRAM, 0);
   ASSERT_GE(socket_of_it, 0);
@@ -351,7 +351,7 @@ class AService : public testing::Test {
  protected:
   void expect_no_room(std::size_t before) {
     // A participant that is found now was announced after the flood, and so was the request. The
-    // probe may have lost its bench meanwhile: it does not search again, as a session does.
+    // probe may have lost its bench during the flood and, unlike a session, does not search again.
     client::Session session({.domain = test_domain(), .find_timeout = 60s});
     auto axis = session.axis("1.1");
     ASSERT_TRUE(axis) << "no client is served";
@@ -364,8 +364,8 @@ class AService : public testing::Test {
   Flooder flooder_;
 };
 
-// A million axes with four objects each take 72 MB and more; the largest frame that is allowed has
-// less than 40 kB.
+// A million axes with four objects each take more than 72 MB; the largest permitted frame has less
+// than 40 kB.
 TEST_F(AService, AllocatesNothingForAMessageLargerThanItsType) {
   ASSERT_TRUE(probe_.find_bench());
   ASSERT_TRUE(flooder_.is_received());
@@ -386,13 +386,13 @@ TEST_F(AService, AllocatesNothingForAnAnnouncementThatClaimsAGigabyte) {
   expect_no_room(before);
 }
 
-// The library checks an announcement once: the program has to announce itself again.
+// The library checks an announcement only once, so the program must announce itself again.
 TEST_F(AService, AdmitsAWaitingProgramAsSoonAsAPlaceIsFree) {
-  constexpr std::uint8_t kLease = 4;  // [s]; longer than it takes to send all
+  constexpr std::uint8_t kLease = 4;  // [s]; longer than sending all of them takes
   constexpr std::uint32_t kMany = 2'000;
   ASSERT_TRUE(probe_.find_bench());
   std::chrono::steady_clock::duration search_time{};
-  // Our announcement may overtake some of the others.
+  // Our announcement may overtake some of the others, so try again.
   for (std::uint32_t number = 0; search_time < 1s; number += kMany) {
     ASSERT_LT(number, 20 * kMany) << "there was always a place: nothing is shown";
     for (std::uint32_t other = number; other < number + kMany; ++other) {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Datagrams that a program without credentials sends to a closed bench and its clients: lengths,
-// counts and contents that the library believes before it has authenticated anything.
+// Datagrams that a program without credentials sends to a closed bench and its clients, with
+// lengths, counts and contents that the library trusts before it has authenticated anything.
 #include "security/material.hpp"
 #include "service/probe.hpp"
 #include "support/test_domain.hpp"
@@ -32,11 +32,11 @@ constexpr std::uint8_t kLittle = 1;
 constexpr std::uint8_t kWithData = 5;
 constexpr std::uint32_t kHandshakeWriter = 0x000201C3;
 constexpr std::uint32_t kHandshakeReader = 0x000201C4;
-/// Above all that a participant has sent: a reader takes nothing older.
+/// Higher than any number that a participant has sent, because a reader accepts nothing older.
 constexpr std::int64_t kNewest = 1'000'000;
 
-/// A message that claims to be encrypted by `sender`. The library looks for the keys by the prefix
-/// of the sender alone, and decrypts before it compares the tag.
+/// @return a message that claims to be encrypted by `sender`. The library looks up the keys by the
+///         sender's prefix alone, and decrypts before it checks the tag.
 Datagram encrypted(const GuidPrefix& sender, const Datagram& body, const Datagram& postfix) {
   return DatagramWriter(sender)
       .add(0x33, kLittle, Datagram(20))
@@ -49,14 +49,14 @@ Datagram encrypted_of_length(const GuidPrefix& sender, std::uint32_t claimed) {
   return encrypted(sender, Body().entity(claimed).raw(Datagram(64)).bytes(), Datagram(20));
 }
 
-/// A message of the handshake with this text of the message and what follows it.
+/// @return a handshake message with these bytes after its GUIDs.
 Datagram handshake(const GuidPrefix& sender, const Datagram& behind_the_guids) {
   Body body = data_to(kHandshakeReader, kHandshakeWriter, kNewest);
   body.raw({0, 1, 0, 0}).raw(Datagram(96)).raw(behind_the_guids);
   return DatagramWriter(sender).add(0x15, kWithData, body.bytes()).bytes();
 }
 
-/// An announcement of `sender` with a token that has this content.
+/// @return an announcement of `sender` with a token of this content.
 Datagram announcement_with_token(const GuidPrefix& sender, const Datagram& content) {
   Body body = data_to(kParticipantsReader, kParticipantsWriter, kNewest);
   body.raw({0, 3, 0, 0}).parameter(0x50, guid_of(sender));
@@ -120,7 +120,7 @@ std::vector<Forgery> forgeries() {
   };
 }
 
-/// A closed bench in lock-step, and a member that has been authenticated by it.
+/// A closed lock-step bench and a member that it has authenticated.
 class AttackedBench {
  public:
   explicit AttackedBench(const std::string& wire)
@@ -132,7 +132,7 @@ class AttackedBench {
         watcher_(wire::make_participant({.domain = test_domain(), .security = controller_.string()},
                                         "watcher")),
         states_(*watcher_, [this](const msg::BenchState& state, const wire::Source& source) {
-          // The network process probes itself with a state of no bench, from a further participant.
+          // The wire's own probe sends the state of bench 0 from another participant.
           if (state.bench != 1) return;
           const std::scoped_lock lock(mutex_);
           bench_ = source.participant;
@@ -144,7 +144,7 @@ class AttackedBench {
     });
   }
 
-  /// @return the prefix of the bench; another one after another wire was started.
+  /// @return the prefix of the bench, which changes when another wire is started.
   [[nodiscard]] GuidPrefix bench() {
     const std::scoped_lock lock(mutex_);
     return bench_;
@@ -165,7 +165,7 @@ class AttackedBench {
   Authority authority_;
   fs::path controller_ = authority_.member("controller desk");
   Process service_;
-  bool is_ready_;  ///< before another participant is made: the ports are those of the first one
+  bool is_ready_;  ///< set before another participant exists: the ports are those of the first one
   std::mutex mutex_;
   GuidPrefix bench_{};
   Probe probe_;
@@ -173,7 +173,8 @@ class AttackedBench {
   wire::Subscription<msg::BenchState> states_;
 };
 
-/// @param participants how many of the domain, from the first on, receive the forgeries
+/// @param participants the number of participants, from the first of the domain on, that are
+///        attacked
 void attack(const GuidPrefix& sender, std::uint32_t participants) {
   const Attacker attacker;
   for (const Forgery& forgery : forgeries()) {

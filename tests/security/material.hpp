@@ -7,7 +7,7 @@
 namespace vdrive::test {
 
 /// An authority and its members, made by the scripts of deploy/security in a temporary directory
-/// that goes with this object.
+/// that is removed in the destructor.
 class Authority {
  public:
   Authority();
@@ -15,11 +15,11 @@ class Authority {
   Authority(const Authority&) = delete;
   Authority& operator=(const Authority&) = delete;
 
-  /// @param words of make_member.sh after the directory: "viewer NAME --days 1"
+  /// @param words the arguments of make_member.sh after the directory: "viewer NAME --days 1"
   /// @return the member's directory
   std::filesystem::path member(const std::string& words) const;
 
-  /// Signs a document as the permissions CA does.
+  /// Signs a document as the permissions CA would.
   void sign(const std::filesystem::path& xml, const std::filesystem::path& document) const;
 
   [[nodiscard]] const std::filesystem::path& directory() const noexcept { return directory_; }
@@ -29,7 +29,6 @@ class Authority {
   std::filesystem::path directory_;
 };
 
-/// The result of a shell command.
 struct ShellResult {
   int code = 0;
   std::string text;  ///< standard output and standard error

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The closed mode: real programs with material from deploy/security.
+// The closed mode: real programs with credentials made by deploy/security.
 #include "vdrive/wire/security.hpp"
 
 #include "security/material.hpp"
@@ -35,10 +35,10 @@ using testing::IsEmpty;
 
 namespace fs = std::filesystem;
 
-/// A service in the closed mode; ends with this object.
+/// A service in closed mode; the destructor ends it.
 class ClosedService {
  public:
-  /// @param program the program and the words before its own arguments
+  /// @param program the program, with any words that precede its own arguments
   ClosedService(const fs::path& material, const std::string& words,
                 std::vector<std::string> program = {VDRIVE_SERVICE}) {
     program.insert(program.end(), {"--security", material.string(), "--log-level", "error"});
@@ -66,7 +66,8 @@ class ClosedBench : public testing::Test {
  protected:
   void serve(const std::string& words = "") { service_.emplace(service_material_, words); }
 
-  /// The tool as that member. It waits long for a bench: authentication is slow on a busy machine.
+  /// Runs the tool as that member. It waits long for a bench, because authentication is slow on a
+  /// busy machine.
   static Finished as(const fs::path& member, const std::string& words) {
     return tool(words + " --timeout 20 --security " + member.string());
   }
@@ -77,7 +78,7 @@ class ClosedBench : public testing::Test {
   std::optional<ClosedService> service_;
 };
 
-// In lock-step: its watchdog does not count the time of a busy machine.
+// In lock-step the watchdog does not count time lost by a busy machine.
 TEST_F(ClosedBench, AllowsAControllerToMoveAnAxis) {
   serve("--clock lockstep");
   const Finished enabled = as(controller_, "enable 1.1");
@@ -108,7 +109,7 @@ TEST_F(ClosedBench, NamesTheProgramThatHoldsAnAxis) {
   EXPECT_THAT(seen.output, HasSubstr("owner       owner (process "));
 }
 
-// Fast DDS 3.1 does not take its departure from the guard, and finds out itself.
+// Fast DDS 3.1 does not take the member's end from the guard, but detects it itself.
 TEST_F(ClosedBench, ForgetsAMemberThatWasKilled) {
   const auto controller = wire::make_participant(
       {.domain = test_domain(), .security = controller_.string()}, "controller");
@@ -127,7 +128,7 @@ TEST_F(ClosedBench, ForgetsAMemberThatWasKilled) {
   EXPECT_LT(std::chrono::steady_clock::now() - killed, 6s);
 }
 
-// A network whose permissions were made before there were names.
+// A network whose permissions were made before session names existed.
 TEST_F(ClosedBench, WorksWithoutNamesWherePermissionsDoNotHaveTheirTopics) {
   for (const fs::path& member : {service_material_, controller_}) {
     const std::string document = read_file(member / "permissions.smime");
@@ -160,7 +161,7 @@ TEST_F(ClosedBench, ReadsCredentialsFromTheEnvironment) {
   EXPECT_EQ(listed.code, 0) << listed.errors;
 }
 
-// Each step is answered, by the wire that took its request or, repeated, by the next one.
+// Each step is answered by the wire that took its request or, after a repetition, by the next one.
 TEST_F(ClosedBench, StepsInLockStepByAProcessThatMayBeKilled) {
   serve("--clock lockstep");
   client::Session session({.domain = test_domain(),
@@ -255,7 +256,7 @@ TEST_F(ClosedBench, DoesNotSeeAnOpenBench) {
   EXPECT_EQ(tool("list --timeout 2 --security " + controller_.string()).code, 3);
 }
 
-// The library repeats a lost message of an authentication after a second.
+// The library repeats a lost authentication message only after a second.
 TEST_F(ClosedBench, IsSearchedForFiveSeconds) {
   const auto begin = std::chrono::steady_clock::now();
   const Finished nobody = tool("list --security " + controller_.string());
@@ -263,10 +264,10 @@ TEST_F(ClosedBench, IsSearchedForFiveSeconds) {
   EXPECT_GE(std::chrono::steady_clock::now() - begin, 5s);
 }
 
-// The clock of the service is two days ahead: for it, and not for the client itself, a certificate
-// of one day has expired.
+// The clock of the service is two days ahead, so a certificate of one day has expired for the
+// service but not for the client.
 TEST_F(ClosedBench, RefusesAnExpiredCertificate) {
-  // Preloaded as its wrapper does, which would keep signals to itself.
+  // Preloaded as the faketime wrapper does; the wrapper itself would not pass on signals.
   const std::string library = shell("ls /usr/lib/*/faketime/libfaketime.so.1").text;
   if (!library.starts_with("/usr/lib")) GTEST_SKIP() << "faketime is not installed";
   const fs::path expired = authority_.member("controller yesterday --days 1");
@@ -284,7 +285,7 @@ TEST_F(ClosedBench, RefusesAnExpiredCertificate) {
 
 struct Flaw {
   const char* name;
-  /// Spoils the material of a service. @return its directory
+  /// Spoils the credentials of a service. @return their directory
   std::function<fs::path(const Authority&, const fs::path&)> make;
   const char* complaint;
 };
@@ -440,7 +441,7 @@ TEST(ClosedMode, AConfigurationIsCheckedWithItsCredentials) {
 
 // ---- the self-test -----------------------------------------------------------------------------
 
-/// A participant as the service has it when it tests itself.
+/// A participant like that of a service during its self-test.
 struct Tested {
   explicit Tested(const wire::NetworkSettings& settings)
       : participant(wire::make_participant(settings, "tested")),
