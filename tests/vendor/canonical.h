@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the two sides of a comparison have in common: values to fill a message with, and the form in
-// which a field is written down. Plain C, because one side is.
+// Shared by both sides of a comparison: values to fill a message with, and the text form of a
+// field. Plain C, because one side is.
 #pragma once
 
 #include <float.h>
@@ -22,18 +22,18 @@ enum { kLongestString = 256, kLongestPath = 128 };
 // How a sample is filled.
 typedef enum Filling {
   kEmpty,     // zeros, no element, no character
-  kLowest,    // the least value of each type, one element, one character
+  kLowest,    // the smallest value of each type, one element, one character
   kHighest,   // the largest value of each type, as many elements and characters as the IDL allows
-  kDistinct,  // a value of its own in each field, three elements, text beyond ASCII
-  kFull,      // a value of its own in each field, everything as long as allowed, odd doubles
-  kRandom     // any value and any length that the IDL allows, by the count with which it begins
+  kDistinct,  // a different value in each field, three elements, text beyond ASCII
+  kFull,      // a different value in each field, everything as long as allowed, odd doubles
+  kRandom     // any values and lengths that the IDL allows, depending on the initial count
 } Filling;
 
-// Values in the order of the fields. Both sides take the same ones.
+// Generates values in the order of the fields; both sides get the same ones.
 typedef struct Filler {
   Filling filling;
-  uint64_t instance;  // of the keys; 0 = values like those of any other field
-  uint64_t count;     // fields filled; where it starts makes the values of two samples differ
+  uint64_t instance;  // for the keys; 0 = keys are filled like other fields
+  uint64_t count;     // fields filled; its start makes the values of samples differ
 } Filler;
 
 // The finalizer of splitmix64 (Steele, Lea, Flood: Fast splittable pseudorandom number generators).
@@ -124,8 +124,8 @@ static inline uint32_t next_length(const Filler* filler, uint32_t bound) {
   }
 }
 
-// A string of at most `bound` bytes, which is below kLongestString. A character beyond ASCII is
-// never cut in two.
+// Returns a string of at most `bound` bytes, which is below kLongestString. Characters beyond ASCII
+// are never split.
 static inline const char* next_string(Filler* filler, size_t bound, char* text) {
   static const char piece[] = "\xC3\xA9";  // e with acute accent, two bytes
   const uint64_t word = next_word(filler);
@@ -140,7 +140,7 @@ static inline const char* next_string(Filler* filler, size_t bound, char* text) 
       memset(text, '~', bound);
       text[bound] = '\0';
       break;
-    case kDistinct:  // a quarter of the bound, so that it is shorter than allowed
+    case kDistinct:  // a quarter of the bound, so shorter than allowed
       snprintf(text, bound / 4 + 2, "\xE2\x82\xAC%" PRIu64, filler->count);  // euro sign
       break;
     case kRandom: {
@@ -162,7 +162,7 @@ static inline const char* next_string(Filler* filler, size_t bound, char* text) 
   return text;
 }
 
-// One line a field: "axes[2].objects[0].value=-17".
+// Writes one line per field: "axes[2].objects[0].value=-17".
 
 static inline void write_unsigned(FILE* out, const char* path, const char* name, uint64_t value) {
   fprintf(out, "%s%s=%" PRIu64 "\n", path, name, value);
@@ -172,7 +172,7 @@ static inline void write_signed(FILE* out, const char* path, const char* name, i
   fprintf(out, "%s%s=%" PRId64 "\n", path, name, value);
 }
 
-// The bits, so that -0 and a value that is not a number are distinguished too.
+// Writes the bits, so that -0 and NaNs are distinguished as well.
 static inline void write_real(FILE* out, const char* path, const char* name, double value) {
   uint64_t bits;
   memcpy(&bits, &value, sizeof bits);
@@ -187,7 +187,7 @@ static inline void write_length(FILE* out, const char* path, const char* name, s
   fprintf(out, "%s%s.length=%zu\n", path, name, length);
 }
 
-// "axes[2]." of an element of a sequence of structures, "axes[2]" of another.
+// Returns "axes[2]." for an element of a sequence of structures, "axes[2]" for other elements.
 static inline const char* element_path(char* text, const char* path, const char* name, size_t index,
                                        const char* end) {
   const int length = snprintf(text, kLongestPath, "%s%s[%zu]%s", path, name, index, end);

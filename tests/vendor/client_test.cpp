@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Programs in C with Cyclone DDS against the service of this build.
+// C programs with Cyclone DDS and the service of this build.
 #include "support/test_domain.hpp"
 #include "tool/process.hpp"
 #include "vdrive/client/session.hpp"
@@ -31,7 +31,7 @@ Finished client_on(const std::string& bench, const std::string& axis) {
   return Process(VDRIVE_VENDOR_CLIENT, {std::to_string(test_domain()), bench, axis}).wait();
 }
 
-// A client that is killed leaves the axis in fault 8130h (6007h = 1), and free.
+// A client that is killed leaves the axis free and in fault 8130h (6007h = 1).
 Finished client_after_a_killed_one() {
   setenv("CYCLONEDDS_URI", kCycloneOnLoopback, 1);  // NOLINT(concurrency-mt-unsafe): one thread
   Process killed(VDRIVE_VENDOR_CLIENT, {std::to_string(test_domain()), "1", "2"});
@@ -57,8 +57,8 @@ Finished client_after_a_killed_one() {
   return client_on("1", "2");
 }
 
-/// The statuswords are the manual's, "absolute position mode, forward"; 0x233 is Switched on, which
-/// its state table has between 0x231 and 0x637.
+/// The statuswords are those of the manual's "absolute position mode, forward"; 0x233 is Switched
+/// on, which the manual's state table has between 0x231 and 0x637.
 void expect_the_manuals_rows(const Finished& client, const std::string& clock) {
   ASSERT_EQ(client.code, 0) << client.output << client.errors;
   EXPECT_THAT(
@@ -76,8 +76,8 @@ TEST(CycloneClient, RunsTheManualsForwardExampleInLockStep) {
   expect_the_manuals_rows(client_on("1", "2"), "lock-step");
 }
 
-/// Four times as fast as the wall clock, a status frame each millisecond, and a watchdog that a
-/// loaded machine can hold: the move takes 2.5 s, so that signs of life are needed all the same.
+/// Runs four times as fast as the wall clock, with a status frame every millisecond. The watchdog
+/// allows for a loaded machine; the move takes 2.5 s, so signs of life are still needed.
 class FastBench {
  public:
   FastBench() {
@@ -103,8 +103,8 @@ TEST(CycloneClient, RunsTheManualsForwardExampleInRealTime) {
   expect_the_manuals_rows(client_on("1", "2"), "real time");
 }
 
-// The walk of docs/reference/wire.md, step 5: the fault reset comes first. 0x250 is Switch on
-// disabled, the state of transition 15.
+// The sequence of docs/reference/wire.md, step 5: first the fault reset. 0x250 is Switch on
+// disabled, reached by transition 15.
 TEST(CycloneClient, RunsTheManualsForwardExampleAfterAKilledClient) {
   const FastBench bench;
   const Finished client = client_after_a_killed_one();

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Our side: every message is filled and printed field by field, as its description says, so a
-// member that is added to the IDL is compared here.
+// Our side: every message is filled and printed field by field from its description, so a member
+// added to the IDL is compared automatically.
 #pragma once
 
 #include "vdrive/wire/cdr.hpp"
@@ -34,7 +34,7 @@ void write(FILE* out, const char* path, const char* name, const wire::Text<kBoun
 template <typename Element>
 void write(FILE* out, const char* path, const char* name, const std::vector<Element>& elements);
 
-/// As the rows of generate_fields.py, in the order of the IDL.
+/// In the order of the IDL, like the rows of generate_fields.py.
 template <wire::DescribedStruct Struct>
 void fill(Struct& message, Filler& filler) {
   wire::for_each_member<Struct>([&](const auto& member) {
@@ -110,8 +110,9 @@ void write(FILE* out, const char* path, const char* name, const std::vector<Elem
   }
 }
 
-/// Makes each sequence, also of elements, as long as its bound and then longer by one; the others
-/// are empty or have one element. @param check called with whether all are within their bounds
+/// Fills each sequence, including those inside elements, to its bound and then to one more; the
+/// others are empty or have one element. @param check called with whether all are within their
+/// bounds
 template <wire::DescribedStruct Struct, typename Check>
 void reach_bounds(Struct& message, const Check& check) {
   const auto reach = [&check](const wire::MemberTraits& member, auto& value) {
@@ -132,7 +133,7 @@ void reach_bounds(Struct& message, const Check& check) {
   });
 }
 
-/// @return every field of `message`, one in each line.
+/// @return every field of `message`, one per line.
 template <typename Message>
 std::string text_of(const Message& message) {
   char* buffer = nullptr;

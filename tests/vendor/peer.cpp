@@ -20,7 +20,7 @@ Peer::Peer(std::string_view topic, const char* side) {
   if (pipe2(down.data(), O_CLOEXEC) != 0 || pipe2(up.data(), O_CLOEXEC) != 0) {
     throw std::runtime_error("no pipe");
   }
-  std::signal(SIGPIPE, SIG_IGN);  // a peer that failed is noticed by its missing answer
+  std::signal(SIGPIPE, SIG_IGN);  // a failed peer is noticed because its answer is missing
   const std::string name(topic);
   const std::string domain = std::to_string(test_domain());
   setenv("CYCLONEDDS_URI", kCycloneOnLoopback, 1);  // NOLINT(concurrency-mt-unsafe): before fork
@@ -38,7 +38,7 @@ Peer::Peer(std::string_view topic, const char* side) {
 }
 
 Peer::~Peer() {
-  std::fclose(to_);  // the end of its input ends it
+  std::fclose(to_);  // the end of its input ends the peer
   std::fclose(from_);
   waitpid(child_, nullptr, 0);
 }
@@ -64,7 +64,7 @@ void Peer::command(const std::string& line) {
   std::fflush(to_);
 }
 
-/// @return the lines before "end"; empty when the peer ended.
+/// @return the lines before "end"; empty if the peer has ended.
 std::string Peer::read_text() {
   std::string text;
   for (std::string line = read_line(); line != "end\n"; line = read_line()) {

@@ -11,13 +11,13 @@
 
 namespace vdrive::test {
 
-/// The loopback interface for Cyclone DDS, and the lease that our own participants have.
+/// Cyclone DDS on the loopback interface, with the same lease as our own participants.
 inline constexpr const char* kCycloneOnLoopback =
     "<CycloneDDS><Domain><General><Interfaces><NetworkInterface name='lo' multicast='true'/>"
     "</Interfaces></General><Discovery><LeaseDuration>2s</LeaseDuration></Discovery>"
     "</Domain></CycloneDDS>";
 
-/// A running vendor_peer on the domain of this test; ends with this object.
+/// A vendor_peer running on the domain of this test; the destructor ends it.
 class Peer {
  public:
   /// @param topic full name
@@ -30,10 +30,10 @@ class Peer {
   /// Waits until its endpoint is matched.
   [[nodiscard]] bool match();
 
-  /// Makes it write a sample (canonical.h). @return the text of the sample, empty when it failed
+  /// Lets it write a sample (canonical.h). @return the text of the sample, empty if that failed
   std::string write(int filling, std::uint64_t instance, std::uint64_t count);
 
-  /// Waits for a sample. @return the text of the sample, empty when none came
+  /// Waits for a sample. @return the text of the sample, empty if none arrived
   std::string take(std::chrono::milliseconds patience);
 
  private:

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Every topic of the network interface between Fast DDS, as service and clients use it, and Cyclone
-// DDS, in both directions, compared field by field.
+// Every topic of the network interface between Fast DDS, as used by service and clients, and
+// Cyclone DDS, in both directions, compared field by field.
 #include "vdrive/wire/topics.hpp"
 
 #include "support/test_domain.hpp"
@@ -52,7 +52,8 @@ constexpr bool kIsStream =
     wire::Topic<Message>::kName == "status" || wire::Topic<Message>::kName == "axis" ||
     wire::Topic<Message>::kName == "bench_state";
 
-/// The texts of what a reader of ours received, where its bytes are those that we would write.
+/// The texts of the samples that our reader received; marked if their bytes are not those that we
+/// would write.
 template <typename Message>
 class Texts {
  public:
@@ -66,7 +67,7 @@ class Texts {
 
   [[nodiscard]] bool match() { return reader_->matches().wait_for(1, kPatience); }
 
-  /// @return the oldest text that was not taken yet, empty when none comes.
+  /// @return the oldest text not yet taken; empty if none arrives.
   std::string take(std::chrono::milliseconds patience) {
     std::unique_lock lock(mutex_);
     const bool found = changed_.wait_for(lock, patience, [&] {
@@ -81,7 +82,7 @@ class Texts {
   }
 
  private:
-  /// The library fills samples up to a multiple of 4 bytes.
+  /// The library pads samples to a multiple of 4 bytes.
   static std::string text_in(std::span<const std::byte> sample) {
     Message message;
     if (!wire::decode(sample, message)) return "cannot be read";
@@ -106,8 +107,8 @@ class Texts {
   std::unique_ptr<wire::SampleReader> reader_;
 };
 
-/// Sends by `send`, again and again when a sample may be lost, until something other than
-/// `previous` comes out of `receiver`. @return its text
+/// Calls `send`, repeatedly if samples may be lost, until `receiver` returns a text other than
+/// `previous`. @return that text
 template <typename Receiver, typename Send>
 std::string pass(Receiver& receiver, const std::string& previous, bool may_be_lost, Send send) {
   const std::chrono::milliseconds patience = may_be_lost ? 500ms : kPatience;
@@ -122,9 +123,9 @@ std::string pass(Receiver& receiver, const std::string& previous, bool may_be_lo
   return text;
 }
 
-/// A volatile reader of Cyclone DDS begins with the first heartbeat that it receives from a writer
-/// of another vendor; earlier samples are history to it. @return the text of the sample that
-/// arrived, empty when none did
+/// A volatile reader of Cyclone DDS starts with the first heartbeat from another vendor's writer
+/// and ignores earlier samples as history. @return the text of the sample that arrived, empty if
+/// none did
 template <typename Message>
 std::string open_the_way(wire::Publication<Message>& publication, Peer& reader) {
   if (!publication.wait_for_matched(1, kPatience) || !reader.match()) {
@@ -156,14 +157,14 @@ testing::Types<Message...> messages_of(const std::tuple<wire::TopicRow<Message>.
 using Messages = decltype(messages_of(wire::kTopicRows));
 TYPED_TEST_SUITE(CycloneOnTopic, Messages, TopicName);
 
-/// A sample of each filling, and more of random values.
+/// One sample of each filling, and more with random values.
 constexpr int kSamples = kRandom + 30;
 
 constexpr int filling_of(int sample) {
   return std::min<int>(sample, kRandom);
 }
 
-/// Different values in each sample, even where the values have no effect.
+/// Different in each sample, even where the filling ignores it.
 constexpr std::uint64_t count_of(int sample) {
   return 1'000'003 * static_cast<std::uint64_t>(sample);
 }
@@ -214,7 +215,7 @@ TEST(CycloneTopics, DropMessagesLongerThanTheIdlAllows) {
   EXPECT_EQ(second, text_of(longest));
 }
 
-/// Two instances, two samples of each: which of them a latecomer gets.
+/// Two instances with two samples each: which of them a late reader gets.
 struct Sample {
   std::uint64_t instance;
   std::uint64_t count;

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-// A client made with Cyclone DDS: takes an axis, enables it and runs the manual's example "absolute
+// A client with Cyclone DDS: acquires an axis, enables it and runs the manual's example "absolute
 // position mode, forward", row by row.
 //
 //   vendor_client DOMAIN BENCH AXIS
 //
 // In lock-step it advances the time itself and reads the status from the replies; in real time it
 // follows the status topic and keeps its session alive. Prints a line for each row. Exit code 0:
-// every row showed the values of the manual; 1: one line on standard error names what was missing.
+// every row showed the values of the manual; 1: a line on standard error names what was missing.
 #include "vdrive_messages.h"
 
 #include <dds/dds.h>
@@ -18,13 +18,13 @@
 #include <string.h>
 
 static const dds_duration_t kPatience = DDS_SECS(10);    // for an answer
-static const dds_duration_t kAgain = DDS_MSECS(500);     // before the first question is repeated
-static const dds_duration_t kKeepAlive = DDS_MSECS(20);  // the watchdog takes 100 ms
+static const dds_duration_t kAgain = DDS_MSECS(500);     // before the first request is repeated
+static const dds_duration_t kKeepAlive = DDS_MSECS(20);  // the watchdog allows 100 ms
 static const uint64_t kTicksPerStep = 10;
-static const dds_duration_t kLongestMove = DDS_SECS(60);  // a tick number that jumps moves nothing
+static const dds_duration_t kLongestMove = DDS_SECS(60);  // skipped ticks move no axis
 static const int32_t kDepth = 1024;
 
-// A reader, and what waits for its samples.
+// A reader and a wait set for its samples.
 typedef struct Inbox {
   dds_entity_t reader;
   dds_entity_t waitset;
@@ -124,7 +124,7 @@ static void wait_for_reader(const Client* client, dds_entity_t writer) {
   dds_delete(waitset);
 }
 
-// Takes the next sample within `patience`. The loan in *sample goes back with dds_return_loan.
+// Takes the next sample within `patience`. Return the loan in *sample with dds_return_loan.
 static bool take(const Inbox* inbox, dds_duration_t patience, void** sample) {
   const dds_time_t deadline = dds_time() + patience;
   for (;;) {
@@ -162,7 +162,7 @@ static void find_bench(Client* client) {
   }
 }
 
-// Waits for the reply to the request that was written last. It goes back with dds_return_loan.
+// Waits for the reply to the last request. Return it with dds_return_loan.
 static vdrive_msg_Reply* wait_for_reply(const Client* client, dds_duration_t patience) {
   void* sample;
   while (take(&client->replies, patience, &sample)) {
@@ -176,7 +176,7 @@ static vdrive_msg_Reply* wait_for_reply(const Client* client, dds_duration_t pat
 }
 
 // Sends a request and waits for the reply. The very first reply may be lost, so the first request
-// is repeated; the others are sent once.
+// is repeated; later ones are sent once.
 static vdrive_msg_Reply* exchange(Client* client, vdrive_msg_Request* request, const char* what) {
   const dds_time_t deadline = dds_time() + kPatience;
   const dds_duration_t patience = client->requests == 0 ? kAgain : kPatience;
@@ -244,8 +244,8 @@ static void send_frame(Client* client, vdrive_msg_AxisCommand* command, uint32_t
   checked(dds_write(client->commander, &frame), "frame");
 }
 
-// Waits for the reply to the frame that was sent last. @return the tick in which it is in force; 0
-// when no reply came
+// Waits for the reply to the last frame. @return the tick in which the frame takes effect; 0 if no
+// reply arrived
 static uint64_t wait_until_applied(const Client* client, dds_duration_t patience) {
   void* sample;
   while (take(&client->command_replies, patience, &sample)) {
@@ -263,7 +263,7 @@ static uint64_t wait_until_applied(const Client* client, dds_duration_t patience
   return 0;
 }
 
-// The first reply may be lost here, too: send keep-alives that request one until it arrives.
+// Here, too, the first reply may be lost: send keep-alives that request one until it arrives.
 static void open_command_replies(Client* client) {
   const dds_time_t deadline = dds_time() + kPatience;
   do {
@@ -291,7 +291,7 @@ static void step(Client* client, uint64_t ticks) {
   hand_back(client, reply);
 }
 
-// Waits for the next status frame with the axis and keeps the session alive meanwhile.
+// Waits for the next status frame with the axis and keeps the session alive while waiting.
 static void follow(Client* client) {
   const dds_time_t deadline = dds_time() + kPatience;
   void* sample;
@@ -314,7 +314,7 @@ static void follow(Client* client) {
   }
 }
 
-// Advances by `ticks` in lock-step; to the next status otherwise.
+// Advances by `ticks` in lock-step; otherwise waits for the next status.
 static void observe(Client* client, uint64_t ticks) {
   static dds_time_t last_frame = 0;
   if (client->lockstep) {
@@ -374,7 +374,7 @@ static void set_target(Client* client) {
   printf("3 to 6 target 10000, 1000 UU/s, 6000 UU/s2: tick %" PRIu64 "\n", client->now.tick);
 }
 
-// On the way 6041h is 0x1237; at the target, 0x1637.
+// 6041h is 0x1237 during the move and 0x1637 at the target.
 static void wait_for_arrival(Client* client) {
   const dds_time_t deadline = dds_time() + kLongestMove;
   while (client->now.ds402_statusword == 0x1237 && dds_time() < deadline) {
@@ -394,7 +394,7 @@ static void wait_for_arrival(Client* client) {
   }
 }
 
-// An axis whose last client was killed stands in a fault.
+// An axis whose last client was killed is in a fault.
 static void reset_fault(Client* client) {
   observe(client, 1);
   if ((client->now.ds402_statusword & 0x8) != 0) {
@@ -434,7 +434,7 @@ int main(int argc, char** argv) {
   if (argc != 4) {
     fail("usage: vendor_client DOMAIN BENCH AXIS");
   }
-  setvbuf(stdout, NULL, _IOLBF, BUFSIZ);  // the reader sees each row at once
+  setvbuf(stdout, NULL, _IOLBF, BUFSIZ);  // lets the reader see each row immediately
   Client client = {.bench = (uint32_t)strtoul(argv[2], NULL, 10),
                    .axis = (uint16_t)strtoul(argv[3], NULL, 10)};
   open_client(&client, (dds_domainid_t)strtoul(argv[1], NULL, 10));

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// One writer or one reader of Cyclone DDS, led by lines on standard input:
+// A Cyclone DDS writer or reader, controlled by lines on standard input:
 //
 //   vendor_peer DOMAIN TOPIC reader|writer
 //
@@ -7,8 +7,8 @@
 //   write FILLING INSTANCE COUNT   writes a sample and answers with its text (canonical.h)
 //   take                           waits for a sample and answers with its text
 //
-// A text ends with a line "end". Ends with exit code 0 at the end of the input; with 1, and a line
-// on standard error, when DDS refuses something or nothing comes within ten seconds.
+// A text ends with a line "end". Exit code 0 at the end of the input; 1, with a line on standard
+// error, if DDS refuses something or nothing arrives within ten seconds.
 #include "canonical.h"
 #include "vdrive_messages.h"
 
@@ -75,7 +75,7 @@ static const int32_t kSessionsInDomain = 65536;
 
 // clang-format on
 
-// The qualities of service of docs/reference/wire.md.
+// The QoS of docs/reference/wire.md.
 typedef struct Quality {
   bool reliable;
   bool transient_local;
