@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-// Makes a session, searches, reads and closes, again and again, until its standard input is closed:
+// Creates a session, searches, reads and closes it, again and again, until standard input is
+// closed:
 //
 //   stress_searcher DOMAIN BENCH...
 //
-// The benches named are there all the time, and their axis is named only-of-BENCH. Prints a line
+// The benches given are always present, and the axis of each is named only-of-BENCH. Prints a line
 // "searches N" now and then and at the end, "missed TEXT" for a search that has not found one of
-// the benches, "failed TEXT" for a read that did not succeed.
+// the benches, and "failed TEXT" for a read that did not succeed.
 #include "vdrive/client/session.hpp"
 
 #include <poll.h>
@@ -31,7 +32,7 @@ bool is_input_closed() {
   return poll(&input, 1, 0) > 0;
 }
 
-/// Every second search is for a name, which ends in another way.
+/// Every second search is by name, which ends differently.
 void search_and_read(const client::SessionOptions& options, const std::vector<std::uint32_t>& there,
                      std::uint64_t number) {
   client::Session session(options);

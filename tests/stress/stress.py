@@ -30,8 +30,8 @@ FIRST_OF_COMING = 11
 KEPT_PROBLEMS = 20
 NICENESS = 5
 TOOL_PATIENCE = 120.0  # [s]
-LINE_PERIOD = 60.0  # [s] a long run says how far it is
-FEWEST = 50  # searches; less shows nothing
+LINE_PERIOD = 60.0  # [s] between progress reports of a long run
+FEWEST = 50  # searches; fewer prove nothing
 
 
 def threads_of(pid):
@@ -90,7 +90,7 @@ class Stress:
         self.late = []  # programs that were killed because they did not end: (what, told, killed, patience)
         self.missed = 0
         self.failed = 0
-        self.calls = 0  # of the tool, to their end
+        self.calls = 0  # completed calls of the tool
         self.staying = []
         self.searchers = []
         self.coming = []
@@ -146,9 +146,10 @@ class Stress:
                           chosen.choice(("lockstep", "realtime")))
 
     def start_plain(self, _chosen):
-        # Its requests are for no bench: without this word it would answer those of others. By its name
-        # a guard knows that it announces itself ten times a second: one that was killed is removed
-        # after 2.5 s. Under another name it would keep one of the 256 places for its lease of 600 s.
+        # It sends requests, to no bench; without this argument it would answer requests to others.
+        # The name tells a guard that it announces itself ten times a second, so it is removed 2.5 s
+        # after it is killed. With another name it would keep one of the 256 places for its lease of
+        # 600 s.
         return self.start(self.options.visitor, self.domain, "vdrive plain participant", "request")
 
     def start_tool(self, chosen):
