@@ -6,8 +6,8 @@
 #include <iostream>
 #include <string>
 
-/// @return whether the loader has a library with one of these words in its name in this process;
-///         names it on standard error.
+/// @return whether this process has loaded a library with one of these words in its name; prints
+///         the name on standard error.
 inline bool has_loaded_one_of(std::initializer_list<const char*> words) {
   std::ifstream maps("/proc/self/maps");
   bool is_loaded = false;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Sessions, axes and groups on a bench of this process.
+// Sessions, axes and groups on a bench in this process.
 #include "loaded.hpp"
 
 #include <vdrive/bench/bench.hpp>
@@ -22,7 +22,7 @@ Outcome move_two_axes(vdrive::client::Session& session) {
   return group->move_together((Eigen::VectorXd(2) << 1000, -500).finished());
 }
 
-/// A program without DDS says what it needs for it.
+/// A program without DDS must report what it needs for it.
 bool is_refused_without_dds() {
   try {
     const vdrive::client::Session session;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// A user's program against the installed package. It runs without a network: the session is given
-// a domain that does not exist, which must be refused by name.
+// A user's program with the installed package. It runs without a network: the session gets a domain
+// that does not exist, and the refusal must name it.
 #ifdef WITH_BENCH
 #include <vdrive/bench/bench.hpp>
 #endif
@@ -11,7 +11,7 @@
 #include <stdexcept>
 #include <string>
 
-// Compiled, never called: options as a program writes them, without a warning.
+// Compiled, never called: options as a program would write them, without a warning.
 vdrive::client::Outcome move(vdrive::client::Session& session) {
   vdrive::client::Axis axis = session.axis("1.1").value();
   return axis.move_to(10000,

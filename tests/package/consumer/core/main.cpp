@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The drive alone.
+// The drive alone, without a bench.
 #include "loaded.hpp"
 
 #include <vdrive/axis_bank.hpp>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The DDS library is in the program: it refuses a domain that does not exist by its number.
+// The program contains the DDS library if a domain that does not exist is refused by its number.
 #include "sessions.hpp"
 
 #include <iostream>

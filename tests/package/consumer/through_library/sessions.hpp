@@ -3,5 +3,5 @@
 
 #include <string>
 
-/// @return why no session can be opened on a DDS domain; empty when one can.
+/// @return why no session can be opened on a DDS domain; empty if one can.
 std::string problem_of_domain(unsigned domain);
