@@ -1,15 +1,16 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: Apache-2.0
-# Runs the tests of core/ in the preset asan, where the core counts what they reach, and fails below the
-# promise of the project: 90 % of the lines and 80 % of the branches of core/, every branch of the
-# power state machine.
+# Runs the tests of core/ in the preset asan, where the core counts the code that they reach, and
+# fails below the project's promise: 90 % of the lines and 80 % of the branches of core/, and every
+# branch of the power state machine.
 #
 #   tests/coverage/run.sh
 #
-# Prints a row for each file; build/asan/coverage/report/index.html has the uncovered lines. A branch is
-# a condition of the source that is true, or false, or a case of a switch. A constant condition has none.
-# Exit code 0: promise kept; 1: below it, a test failed, or nothing could be measured; 77: tests/run.sh
-# found no time for this preset.
+# Prints a row for each file; build/asan/coverage/report/index.html shows the uncovered lines. A
+# branch is a condition in the source that is true, or that is false, or a case of a switch. A
+# constant condition has none.
+# Exit code 0: promise kept; 1: below it, a test failed, or nothing could be measured; 77:
+# tests/run.sh had no time for this preset.
 set -euo pipefail
 
 root=$(cd "$(dirname "${BASH_SOURCE[0]}")/../.." && pwd)
@@ -30,7 +31,7 @@ command -v llvm-cov >/dev/null || fail "no llvm-cov; run deploy/setup.sh --tests
 cd "$root"
 rm -rf "$counts"
 mkdir -p "$counts"
-unset VDRIVE_FULL VDRIVE_NIGHTLY # the promise holds for the counts of a person's run
+unset VDRIVE_FULL VDRIVE_NIGHTLY # the promise applies to an ordinary run
 LLVM_PROFILE_FILE=$counts/%p.profraw chrt --idle 0 ctest --preset asan --tests-regex '^core_' >&2 ||
   fail "a test of core/ failed"
 
@@ -41,12 +42,13 @@ measured=(--instr-profile "$counts/core.profdata" "${programs[0]}" "${programs[@
 llvm-cov show --format html --output-dir "$counts/report" "${measured[@]}"
 llvm-cov report "${measured[@]}" >"$counts/report.txt"
 
-# A file whose name llvm-cov does not place in core/ would be left out of the promise.
+# A file that llvm-cov lists outside core/ would not be counted.
 while read -r source; do
   grep --quiet "^[^ ]*${source#core/src/} " "$counts/report.txt" || fail "$source was not measured"
 done < <(find core/src -name '*.cpp')
 
-# Columns: file, then all and missed regions, functions, lines and branches, each with a percentage.
+# Columns: file, then the total and missed regions, functions, lines and branches, each with a
+# percentage.
 awk -v least_lines=$least_lines -v least_branches=$least_branches -v state_machine=$state_machine '
   function percent(all, missed) { return all == 0 ? 100 : 100 * (all - missed) / all }
   function row(name, lines, missed_lines, branches, missed_branches) {
@@ -61,7 +63,7 @@ awk -v least_lines=$least_lines -v least_branches=$least_branches -v state_machi
       lines = $8; branches = $11
       covered_lines = percent($8, $9); covered_branches = percent($11, $12)
     }
-    # The header holds no branches today; one that is added counts.
+    # The header has no branches today; any that is added counts.
     if ($1 ~ /cia402\/power_state_machine\.[ch]pp$/) {
       machine_branches += $11; missed_machine_branches += $12
     }
