@@ -84,8 +84,8 @@ TEST(ScratchMode, IsSupported) {
 }  // namespace
 }  // namespace vdrive
 """
-# Product files that a recipe may edit. Tests, and documents that are made from tables or compared with
-# them, do not count.
+# The number of product files that a recipe may edit. Tests do not count, nor do documents that are
+# generated from tables or compared with them.
 MOST_FILES = {
     "An object": 3,
     "A member of the status": 3,
@@ -385,7 +385,7 @@ def follow(directory):
              built / "tests/service/service_engine_test",
              built / "tests/service/service_parts_test",
              built / "tests/gateway/gateway_parts_test"]
-    # The scratch members change what a released version keeps.
+    # The scratch members change something that is fixed for a released version.
     kept = "--gtest_filter=-IdlOf1_0.HasEveryStruct*:FilesOf1_0.AJournal*"
     return max(run(test, "--gtest_brief=1", kept, cwd=built).returncode for test in tests)
 
