@@ -28,7 +28,7 @@ from test_domain import claim_domain  # noqa: E402
 SCENARIOS = ("absolute_forward_timing.scn", "absolute_negative_timing.scn")
 PROGRAMS = ("bin/vdrived", "bin/vdrive", "bin/vdrive-ros2", "examples/03_two_services_one_group",
             "tests/vendor/vendor_client", "tests/vendor/raw_dds/raw_dds", "tests/ros2/ros2_plugin")
-TURNS = 5  # until a loaded machine has kept up with real time
+TURNS = 5  # attempts until a loaded machine has kept up with real time
 PATIENCE_S = 60  # for a program that ends by itself, on a loaded machine
 CYCLONE_ON_LOOPBACK = ("<CycloneDDS><Domain><General><Interfaces><NetworkInterface name='lo' multicast='true'/>"
                        "</Interfaces></General><Discovery><LeaseDuration>2s</LeaseDuration></Discovery>"
@@ -117,11 +117,11 @@ def group(service, client, _work):
     with service.service("--axes", "1", "--bench", "1"), client.service("--axes", "1", "--bench", "2"):
         for side in (service, client):
             for turn in range(TURNS):
-                side.tool("status", "1.1", "2.1")  # once both are found
+                side.tool("status", "1.1", "2.1")  # waits until both are found
                 try:
                     output = side.run("examples/03_two_services_one_group", side.domain)
                     break
-                except Failure as failure:  # in real time a loaded machine may send a frame too late
+                except Failure as failure:  # in real time a loaded machine may be late with a frame
                     if "too late" not in str(failure) or turn == TURNS - 1:
                         raise
             if "both sides at 1000" not in output:
@@ -196,7 +196,7 @@ def ros2(service, client, _work):
 def cyclone(service, client, _work):
     """Cyclone DDS of the client's system: the manual's forward example without our library, twice."""
     with service.service("--clock", "lockstep"):
-        client.tool("status", "1.2")  # once it is found
+        client.tool("status", "1.2")  # waits until it is found
         text = client.run("tests/vendor/vendor_client", client.domain, 1, 2, CYCLONEDDS_URI=CYCLONE_ON_LOOPBACK)
         if "9 arrived: 6041h = 0x1637, 6062h = 10000, 6064h = 10000" not in text:
             raise Failure(f"the client of Cyclone DDS says:\n{text}")
@@ -251,12 +251,12 @@ def main():
     if any(side.missing() for side in sides):
         return 2
     failed = 0
-    # Files of both sides are in the root of b, which a can see.
+    # Files of both sides are in the root of b, which is visible to a.
     with kept, tempfile.TemporaryDirectory(prefix="across-", dir=root and root / "tmp") as folder:
         for number, (name, check) in enumerate(CHECKS):
             pairs = [sides, sides[::-1]]
             if check is examples:
-                pairs.append(sides[1:] * 2)  # which no other test of this system runs
+                pairs.append(sides[1:] * 2)  # b with itself, which no other test here runs
             for service, client in pairs:
                 if arguments.only not in name:
                     continue
