@@ -26,8 +26,7 @@ namespace vdrive::test {
 /// after construction and ends when it is destroyed.
 class BenchOnWire {
  public:
-  /// @param words a command line of vdrived without network options, such as "--clock lockstep
-  ///        --axes 3"
+  /// @param words arguments of vdrived without network options: "--clock lockstep --axes 3"
   /// @throws std::runtime_error
   explicit BenchOnWire(const std::string& words);
   ~BenchOnWire();
