@@ -62,7 +62,7 @@ std::uint64_t tick_of(Session& session) {
   return session.step(1, 0).value();
 }
 
-// ---- who steps ---------------------------------------------------------------------------------
+// ---- stepping -----------------------------------------------------------------------------------
 
 TEST(JoinedClocks, OfOneThreadAreRefusedAtOnce) {
   const Bench bench;
@@ -667,7 +667,7 @@ TEST(StatusReports, MayBeDestroyedByTheirObserver) {
   EXPECT_TRUE(session.step(1, 3)) << "no second report has thrown";
 }
 
-// ---- what is reported from now on --------------------------------------------------------------
+// ---- reports after the call ---------------------------------------------------------------------
 
 TEST(Events, WithoutHistoryBeginWithTheCall) {
   const Bench bench;
@@ -1151,7 +1151,7 @@ TEST(Bench, ThatEndsEndsTheWaitForAnotherStepper) {
   EXPECT_EQ(ended.get(), OutcomeKind::lost);
 }
 
-// ---- what a bench has of its own ---------------------------------------------------------------
+// ---- resources of a bench -----------------------------------------------------------------------
 
 std::string message_of(const BenchOptions& options) {
   try {

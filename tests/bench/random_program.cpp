@@ -76,7 +76,7 @@ std::string difference_of(const Refusals& one, const Refusals& other) {
 
 }  // namespace
 
-// ---- what is seen ------------------------------------------------------------------------------
+// ---- observations -------------------------------------------------------------------------------
 
 void ProgramLog::note(const client::Outcome& outcome) {
   std::string message = outcome.message();

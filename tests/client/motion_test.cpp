@@ -272,7 +272,7 @@ const std::vector<Deed> kDeeds{
        others.halt().or_throw();
      },
      "was halted"},
-    // ---- what does not affect it
+    // ---- without effect on it
     {"ARead",
      [](Session&, Axis& axis, Axis&) {
        axis.read(kTarget).outcome().or_throw();

@@ -133,7 +133,7 @@ TEST(Wakeup, IgnoresAnEarlierInterruptInTheThreadThatStops) {
   EXPECT_TRUE(sut.is_interrupted());
 }
 
-// ---- what is unanswered ----------------------------------------------------------------------
+// ---- unanswered messages ------------------------------------------------------------------------
 
 using Numbers = Unanswered<int, int, int>;
 
@@ -191,7 +191,7 @@ TEST(UnansweredMessages, CanBeAnsweredByAnotherThreadDuringRepetition) {
   for (int number = 0; number < kCount; ++number) EXPECT_EQ(sut.take(number), -number);
 }
 
-// ---- what is held ----------------------------------------------------------------------------
+// ---- held axes ----------------------------------------------------------------------------------
 
 constexpr std::array<std::uint16_t, 2> kAxes{1, 2};
 

@@ -259,8 +259,7 @@ INSTANTIATE_TEST_SUITE_P(Floods, AFloodedService, testing::ValuesIn(floods()),
                            return std::string(flood.param.name);
                          });
 
-// ---- sizes that are claimed
-// -----------------------------------------------------------------------
+// ---- claimed sizes ------------------------------------------------------------------------------
 
 /// @return the first fragment of an announcement of `size` bytes (RTPS 2.3, 9.4.5.4), in the name
 ///         of a known participant, because those of unknown ones are refused.

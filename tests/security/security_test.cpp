@@ -281,7 +281,7 @@ TEST_F(ClosedBench, RefusesAnExpiredCertificate) {
   EXPECT_EQ(refused.code, 3) << refused.output << refused.errors;
 }
 
-// ---- material that is not in order -------------------------------------------------------------
+// ---- faulty credentials -------------------------------------------------------------------------
 
 struct Flaw {
   const char* name;

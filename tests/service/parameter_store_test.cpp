@@ -617,7 +617,7 @@ TEST_F(StateDirectory, SurvivesAServiceThatIsKilledAtAnyStepOfASave) {
   EXPECT_GT(saved, static_cast<std::int64_t>(kills) / 2) << "many of them saved something";
 }
 
-// ---- what the axes get -----------------------------------------------------------------------
+// ---- values of the axes -------------------------------------------------------------------------
 
 service::Configuration three_axes() {
   service::Configuration configuration;

@@ -130,7 +130,7 @@ class Stress:
                 self.report(f"did not end within {ran:.0f} s: {what}")
         return count
 
-    # ---- who is there
+    # ---- programs
 
     def start(self, *words):
         return subprocess.Popen(  # pylint: disable=consider-using-with

@@ -66,8 +66,7 @@ static dds_entity_t checked(dds_entity_t result, const char* what) {
   return result;
 }
 
-// ---- topics
-// --------------------------------------------------------------------------------------
+// ---- topics -------------------------------------------------------------------------------------
 
 typedef enum Quality { kQueue, kStream, kState } Quality;
 
@@ -142,8 +141,7 @@ static bool take(const Inbox* inbox, dds_duration_t patience, void** sample) {
   }
 }
 
-// ---- requests
-// ------------------------------------------------------------------------------------
+// ---- requests -----------------------------------------------------------------------------------
 
 static void find_bench(Client* client) {
   void* sample;
@@ -226,8 +224,7 @@ static int64_t read_object(Client* client, uint16_t index) {
   return value;
 }
 
-// ---- frames and status
-// ---------------------------------------------------------------------------
+// ---- frames and status --------------------------------------------------------------------------
 
 static void send_frame(Client* client, vdrive_msg_AxisCommand* command, uint32_t flags) {
   vdrive_msg_CommandFrame frame = {.bench = client->bench,
@@ -350,8 +347,7 @@ static void controlword(Client* client, const char* row, uint16_t word, uint16_t
   }
 }
 
-// ---- the example
-// ---------------------------------------------------------------------------------
+// ---- the example --------------------------------------------------------------------------------
 
 static void set_mode(Client* client) {
   vdrive_msg_AxisCommand mode = {.members = vdrive_msg_HAS_OP_MODE_CMD, .op_mode_cmd = 1};

@@ -147,8 +147,7 @@ NetworkSettings settings(Role role = Role::other) {
   return {.domain = test::test_domain(), .role = role};
 }
 
-// ---- what stays as it was
-// ------------------------------------------------------------------------
+// ---- unchanged behaviour ------------------------------------------------------------------------
 
 TEST(GuardedParticipant, AcceptsEverythingFromParticipantsOfVdrive) {
   Requester requester;
@@ -183,8 +182,7 @@ TEST(AClient, IgnoresOtherClients) {
   EXPECT_FALSE(of_a_client.requests.wait_for_match(source_of(client.prefix()), 500ms));
 }
 
-// ---- who is gone
-// ---------------------------------------------------------------------------------
+// ---- participants that are gone -----------------------------------------------------------------
 
 /// Sends a datagram until it first arrives in a socket.
 class FirstToArrive {

@@ -118,7 +118,7 @@ class Numbers {
   Datagram changed_;
 };
 
-// ---- what is refused ----------------------------------------------------------------------------
+// ---- refusals -----------------------------------------------------------------------------------
 
 struct Field {
   const char* name;
@@ -339,7 +339,7 @@ TEST(WriterOfDataAlone, IsNotBegunAgainByOneHeartbeatThatIsFarFromThem) {
   EXPECT_EQ(numbers.refusal_of(data(kLate + 1)), Refusal::none);
 }
 
-// ---- a writer that has gone on without this program ---------------------------------------------
+// ---- a writer that has continued without this program -------------------------------------------
 
 TEST(WriterThatHasSkippedNumbers, IsBegunAgainAfterHalfASecond) {
   Numbers numbers;
