@@ -195,7 +195,7 @@ TEST(Steps, OfTwoThreadsThroughOneJoinedClockFollowEachOther) {
   EXPECT_EQ(tick_of(session) - begin, 2U * 3U * kSteps);
 }
 
-/// More ticks than a day would suffice for.
+/// More ticks than can be run in a day.
 constexpr std::uint64_t kEndless = 1'000'000'000'000;
 
 /// Runs an endless step of a joined clock in another thread and calls `end` with the bench and the
@@ -792,7 +792,7 @@ TEST(StatusReports, OfABenchThatEndsAreEndedAtOnce) {
   }
 }
 
-// A bench that follows is another bench, however soon it follows.
+// A bench that replaces it is a different bench, however soon it starts.
 TEST(StatusReports, OfABenchThatIsReplacedAtOnceAreEnded) {
   for (const ClockMode clock : {ClockMode::lockstep, ClockMode::realtime, ClockMode::freerun}) {
     for (int count = 0; count < 20; ++count) {

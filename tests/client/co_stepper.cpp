@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// One of several programs that step a bench together, each with its own axis: co_stepper DOMAIN
-// AXIS AXES STEPPERS. Prints "joined" when it has joined the clock, then moves its axis and
-// observes all axes at ticks of its own choice, and finally prints a digest of all that it
-// observed.
+// One of several programs that step a bench together, each with its own axis:
+//
+//   co_stepper DOMAIN AXIS AXES STEPPERS
+//
+// Prints "joined" when it has joined the clock, then moves its axis and observes all axes at ticks
+// of its own choice, and finally prints a digest of all that it observed.
 #include "vdrive/client/axis.hpp"
 #include "vdrive/client/session.hpp"
 #include "vdrive/client/step_clock.hpp"

@@ -107,7 +107,7 @@ class Bystanders {
 
 /// How the axis reacts to a signal sent to the master that moves it.
 struct Loss {
-  std::uint64_t signalled = 0;  ///< the latest tick possible
+  std::uint64_t signalled = 0;  ///< its tick, at the latest
   AxisSnapshot fault;
   AxisSnapshot rest;
 };

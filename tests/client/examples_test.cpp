@@ -59,8 +59,8 @@ TEST(Examples, ThreeAxisFigure) {
 }
 
 /// Runs the example of two services. @return whether the machine kept up. It did not if a bench
-/// reports that it skipped ticks, because the other axis is then ahead, or if a late frame ended
-/// the example.
+/// reports that it skipped ticks, because the axes are then no longer in step, or if a late frame
+/// ended the example.
 bool draw_gantry() {
   RunningService left(patient("--clock realtime --axes 1 --log-level debug"));
   RunningService right(patient("--clock realtime --bench 2 --axes 1 --log-level debug"));

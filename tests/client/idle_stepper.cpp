@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // Joins the clock of a lock-step bench, prints its session and then does nothing until it is
-// terminated: idle_stepper DOMAIN BENCH.
+// terminated:
+//
+//   idle_stepper DOMAIN BENCH
 #include "vdrive/client/session.hpp"
 #include "vdrive/client/step_clock.hpp"
 

@@ -32,7 +32,7 @@ TEST(WindowOfAKilledService, HasTheFaultThatTheServiceDidNotOutlive) {
     Session session(test::options());
     Axis axis = session.axis("1.1").value();
     ASSERT_TRUE(axis.write(kOverTemperature, 1));
-    // A tick after the fault the window is still being written to the disk.
+    // From the tick after the fault on, the window is being written to the disk.
     const auto is_there = [&] {
       return std::filesystem::exists(state.path() / "bench-1.window-1");
     };

@@ -113,7 +113,7 @@ class JumpingBench : public testing::Test {
   std::chrono::steady_clock::time_point silent_since_ = std::chrono::steady_clock::now();
 };
 
-// Each call is given 2 s of drive time; the number jumps by one of them.
+// Each call is given 2 s of drive time, and the tick number jumps over one of these seconds.
 TEST_F(JumpingBench, UsesUpNoTimeOutOfACallThatWaits) {
   auto follower = session_.follow({{1, 1}}, Pace::observe);
   ASSERT_TRUE(follower);

@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Acts as bench 1 for a client, as a process that tests can kill: wire_double DOMAIN INCARNATION
-// ANSWER [NAME]. Prints a line for each request and answers a read with ANSWER; ANSWER 0 = no
-// answer. With NAME its participant has this name; it prints "ready" and describes its bench only
-// after SIGUSR1.
+// Acts as bench 1 for a client, as a process that tests can kill:
+//
+//   wire_double DOMAIN INCARNATION ANSWER [NAME]
+//
+// Prints a line for each request and answers a read with ANSWER; ANSWER 0 = no answer. With NAME
+// its participant has this name; it prints "ready" and describes its bench only after SIGUSR1.
 #include "bench_messages.hpp"
 #include "vdrive/wire/participant.hpp"
 #include "vdrive/wire/publication.hpp"
