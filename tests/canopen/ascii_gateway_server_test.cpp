@@ -52,7 +52,7 @@ TEST(LineReader, MarksALineThatIsTooLongAndTakesTheNextOne) {
 
 // ---- the server
 
-/// A node that answers each read with the index, as u16, and is silent for index 0.
+/// A node that answers each read with the index as u16, and does not answer reads of index 0.
 class EchoingNode final : public Port {
  public:
   EchoingNode(asio::io_context& context, Bus& bus, std::uint8_t id)
@@ -96,13 +96,13 @@ struct GatewayBench {
     return peer;
   }
 
-  /// Does all that can be done.
+  /// Runs every handler that is ready.
   void rest() {
     while (context.poll() > 0) {
     }
   }
 
-  /// @return whether the client has received just that, in the end.
+  /// @return whether the client eventually received exactly `text`.
   bool has_received(const TcpPeer& peer, std::string_view text) {
     const bool has_come = run_until(context, "all lines", [&] {
       return peer.received_bytes() >= text.size() || peer.has_ended();
@@ -123,7 +123,7 @@ TEST(AsciiGatewayServer, AnswersALineWithALine) {
   GatewayBench bench;
   const auto peer = bench.connect();
   peer->send("[1] 3 r 0x6041 0 u16\r\n");
-  // 6041h is 24641.
+  // 6041h = 24641
   EXPECT_TRUE(bench.has_received(*peer, "[1] 24641\r\n"));
   EXPECT_EQ(bench.server->counters().commands, 1U);
   EXPECT_EQ(bench.server->counters().clients, 1U);
@@ -140,7 +140,7 @@ TEST(AsciiGatewayServer, PutsCommandsOnTheBus) {
 TEST(AsciiGatewayServer, AnswersManyCommandsInTheirOrder) {
   GatewayBench bench;
   const auto peer = bench.connect();
-  // More than may wait for one client, in one block.
+  // More commands in one block than may wait for one client.
   std::string commands;
   std::string answers;
   for (int i = 1; i <= 500; ++i) {
@@ -182,7 +182,8 @@ TEST(AsciiGatewayServer, TakesNoCommandWhileTheBusIsHeld) {
   EXPECT_EQ(bench.port.frames, (Frames{data_frame(0x000, {1, 3}), data_frame(0x000, {2, 3})}));
 }
 
-// For a boot-up of which it tells nobody the server works before it learns that the bus is free.
+// A boot-up that is reported to no client makes the server work before it learns that the bus is
+// free.
 TEST(AsciiGatewayServer, TakesWhatWaitedWhileTheBusWasHeldBeforeItCloses) {
   GatewayBench bench;
   const RecordedPort slow(bench.bus);
@@ -192,7 +193,7 @@ TEST(AsciiGatewayServer, TakesWhatWaitedWhileTheBusWasHeldBeforeItCloses) {
   peer->send("[2] 3 start\n");
   peer->end_sending();
   bench.rest();
-  // First the server reads that the client has sent all, then it could close.
+  // In the first round the server reads the end of the client's data; in the second it could close.
   for (int i = 0; i < 2; ++i) {
     bench.port.send(data_frame(0x703, {0x00}));
     bench.bus.release(slow);
@@ -296,7 +297,7 @@ TEST(AsciiGatewayServer, ClosesItsConnectionsWhenItEnds) {
   const auto peer = bench.connect();
   ASSERT_EQ(peer->ask("[1] set node 3\n"), "[1] OK\r\n");
   bench.server.reset();
-  bench.port.send(data_frame(0x703, {0x00}));  // would touch a port of the server
+  bench.port.send(data_frame(0x703, {0x00}));  // would reach a dangling port of the server
   ASSERT_TRUE(run_until(bench.context, "the end", [&] {
     return peer->has_ended();
   }));

@@ -50,7 +50,7 @@ const std::vector<ValueRow>& value_rows() {
       // IEEE 754: 1.5 is 3FC00000h and 3FF8000000000000h.
       {"r32", "1.5", {0, 0, 0xC0, 0x3F}},
       {"r64", "-1.5", {0, 0, 0, 0, 0, 0, 0xF8, 0xBF}},
-      // RFC 4648, section 10, and its own last character.
+      // RFC 4648, section 10, and the last character of its alphabet.
       {"os", "", {}},
       {"os", "Zg==", {'f'}},
       {"us", "Zm8=", {'f', 'o'}},
@@ -262,7 +262,7 @@ TEST(GatewayCommand, IsRefusedWithItsSequenceWhereItHasOne) {
 
 // ---- the gateway
 
-/// A gateway of network 1, what it sent, and what its first session was told.
+/// A gateway of network 1, with the frames it sent and the answers to its first session.
 struct RecordedGateway final : GatewayHost {
   explicit RecordedGateway(const GatewaySettings& settings = {}) : gateway(settings, *this) {
     first = gateway.open();
@@ -282,14 +282,14 @@ struct RecordedGateway final : GatewayHost {
     return std::nullopt;
   }
 
-  /// @return what the first session was answered to this line at once.
+  /// @return the immediate answers to this line in the first session.
   Lines take(std::string_view line) {
     answers.clear();
     gateway.take_line(first, line, now);
     return answers;
   }
 
-  /// @return what the first session was answered to this answer of a node.
+  /// @return the answers in the first session after this response of a node.
   Lines receive(std::uint32_t id, std::initializer_list<std::uint8_t> bytes) {
     answers.clear();
     const Frame frame = data_frame(id, bytes);
@@ -300,7 +300,7 @@ struct RecordedGateway final : GatewayHost {
 
   Lines answers;
   Lines reports;
-  Lines others;  ///< what other sessions were told
+  Lines others;  ///< answers to other sessions
   Frames sent;
   BusTime now{};
   GatewaySession first = 0;
@@ -442,7 +442,7 @@ TEST(AsciiGateway, LetsSessionsTakeTurnsOnOneNode) {
   recorded.take("[2] 3 r 0x6042 0 u16");
   recorded.gateway.take_line(second, "[1] 3 r 0x6043 0 u16", recorded.now);
   EXPECT_EQ(recorded.sent.size(), 1U) << "a node has one SDO channel";
-  // The other one first, although the first session has waited for longer.
+  // The other session is next, although the first one has waited longer.
   recorded.receive(0x583, {0x4B, 0x41, 0x60, 0, 1, 0, 0, 0});
   EXPECT_EQ(recorded.sent.back(), data_frame(0x603, {0x40, 0x43, 0x60, 0, 0, 0, 0, 0}));
   recorded.receive(0x583, {0x4B, 0x43, 0x60, 0, 3, 0, 0, 0});

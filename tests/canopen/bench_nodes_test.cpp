@@ -31,11 +31,11 @@ using testing::IsEmpty;
 using testing::Not;
 using testing::SizeIs;
 
-/// Node 1 and a master on a bus. What the node asks of its drive is kept.
+/// Node 1 and a master on a bus; records the node's requests to its drive.
 struct NodeOnABus final : NodeDrives {
   static constexpr std::uint64_t kSession = 7;
 
-  /// @param state of NodeStore
+  /// @param state directory of NodeStore
   explicit NodeOnABus(const std::filesystem::path& state = {}) : store(state, "left", reports) {
     drives[0].owner_session = kSession;
     start();
@@ -51,7 +51,7 @@ struct NodeOnABus final : NodeDrives {
     EXPECT_TRUE(bus.faults().add(fault, DriveTime::zero()));
   }
 
-  /// @return whether the node answers a read of 1017h, which it has itself.
+  /// @return whether the node answers a read of 1017h, an object of its own.
   bool answers() {
     master.frames.clear();
     master.send(data_frame(0x601, {0x40, 0x17, 0x10, 0x00, 0, 0, 0, 0}));
@@ -65,7 +65,7 @@ struct NodeOnABus final : NodeDrives {
 
   void show(DriveTime now) { nodes.update(drives, now); }
 
-  /// TPDO1 carries 607Ah alone.
+  /// Maps 607Ah alone into TPDO1.
   void map_target() {
     master.send(data_frame(0x601, {0x23, 0x00, 0x18, 0x01, 0x81, 0x01, 0x00, 0x80}));
     master.send(data_frame(0x601, {0x2F, 0x00, 0x1A, 0x00, 0, 0, 0, 0}));
@@ -75,7 +75,7 @@ struct NodeOnABus final : NodeDrives {
     master.frames.clear();
   }
 
-  /// What the nodes want to have read.
+  /// A request of the nodes to read values.
   struct Question {
     std::uint32_t ticket = 0;
     std::vector<ObjectAddress> objects{};
@@ -104,7 +104,7 @@ struct NodeOnABus final : NodeDrives {
 
   std::vector<Question> questions{};
   std::vector<DriveAccess> accesses{};
-  std::deque<bool> told{};  ///< of the connection to a master
+  std::deque<bool> told{};  ///< reported states of the connection to a master
   bridge::Reports reports{"test", [](bridge::Severity, const std::string&) {}};
   NodeStore store;
   Bus bus{};
@@ -114,7 +114,7 @@ struct NodeOnABus final : NodeDrives {
   std::array<client::AxisSnapshot, 1> drives{};
 };
 
-// A bench that ends leaves calls that are answered when they have timed out.
+// When a bench ends, its outstanding calls are answered only after they have timed out.
 TEST(BenchNodes, IgnoreTheAnswerToAnAccessOfANodeThatIsGone) {
   NodeOnABus test;
   test.master.send(data_frame(0x601, {0x40, 0x41, 0x60, 0x00, 0, 0, 0, 0}));
@@ -199,7 +199,7 @@ TEST(BenchNodes, AskForNothingWhileAnAnswerIsUnderWay) {
   test.map_target();
   test.show(50ms);
   ASSERT_THAT(test.questions, SizeIs(1));
-  test.nodes.take_values(0, test.questions[0].ticket, {});  // the bench did not answer
+  test.nodes.take_values(0, test.questions[0].ticket, {});  // the bench has not answered
   test.show(60ms);
   EXPECT_THAT(test.questions, SizeIs(2));
 }
@@ -229,7 +229,7 @@ TEST(BenchNodes, IgnoreAValueThatWasAskedForByANodeThatIsGone) {
   EXPECT_THAT(test.master.frames, Not(Contains(Field(&Frame::id, 0x181U))));
 }
 
-constexpr DriveTime kSince1970 = 1'700'000'000s;  // as ticks of real time count
+constexpr DriveTime kSince1970 = 1'700'000'000s;  // ticks in real time count since 1970
 
 TEST(BenchNodes, CountTheTimeOfFaultsSinceTheyCameToTheBus) {
   NodeOnABus test;
@@ -280,7 +280,7 @@ TEST(BenchNodes, HaveTheTimeOfFaultsOfBeforeWhenTheirDrivesComeBack) {
 TEST(BenchNodes, CountWhatTheirDrivesRefuseAlsoOfNodesThatAreGone) {
   NodeOnABus test;
   test.nodes.note_refused_set_points(1, 3);
-  test.nodes.note_refused_set_points(2, 5);  // no axis of this bench
+  test.nodes.note_refused_set_points(2, 5);  // not an axis of this bench
   EXPECT_EQ(test.nodes.counters().refused_set_points, 3U);
   test.nodes.stop();
   EXPECT_EQ(test.nodes.counters().refused_set_points, 3U);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A bench in realtime behind nodes.
+// The bridge with benches in real time.
 #include "canopen/bus_of_bench.hpp"
 #include "settings/configuration_error.hpp"
 
@@ -20,7 +20,8 @@ using testing::HasSubstr;
 constexpr std::uint8_t kNmtStart = 0x01;
 constexpr std::array<std::uint8_t, 3> kWordsToEnable{0x06, 0x07, 0x0F};
 
-/// Waits until 6041h of the newest TPDO 1 has these bits. @return false after 60 s.
+/// Waits until 6041h in the latest TPDO 1 has these bits.
+/// @return false after 60 s.
 bool wait_for_status(BusOfBench& bus, std::uint8_t node, std::uint16_t mask, std::uint16_t bits) {
   return bus.master().wait_until([&] {
     const auto status = bus.master().newest(0x180U + node);
@@ -41,7 +42,8 @@ TEST(Bridge, EnablesByPdos) {
   BusOfBench bus(2);
   ASSERT_TRUE(bus.master().wait_for(0x702));
   bus.master().send_nmt(kNmtStart, 0);
-  // A node boots before its axis is the bridge's; until then bit 9 is down, and PDOs are ignored.
+  // A node boots before the bridge owns its axis; until then bit 9 (remote) is 0 and RPDOs are
+  // ignored.
   for (const std::uint8_t node : {std::uint8_t{1}, std::uint8_t{2}}) {
     ASSERT_TRUE(wait_for_status(bus, node, Statusword::kRemote, Statusword::kRemote));
   }
@@ -84,7 +86,7 @@ TEST(Bridge, HasTheAxesOfSeveralBenchesOnOneBus) {
   EXPECT_EQ(master.upload(12, {0x1000, 0}).number(), 0x00020192);
 }
 
-// In lock-step both are there at once, and the one with the lower number is first.
+// In lock-step both benches are found at the same time; the lower number takes precedence.
 TEST(Bridge, LeavesOutABenchWhoseNodesAreTaken) {
   const bench::Bench one({.axes = 2, .clock = ClockMode::lockstep, .number = 1});
   const bench::Bench two({.axes = 3, .clock = ClockMode::lockstep, .number = 2, .bus = one.bus()});
@@ -100,7 +102,7 @@ TEST(Bridge, LeavesOutABenchWhoseNodesAreTaken) {
   EXPECT_EQ(bridge.bus(0).nodes(2), nullptr);
 }
 
-/// A client of the socketcand server sees what the master of the bus sends, and the other way.
+/// A client of the socketcand server receives the frames of the master on the bus, and vice versa.
 TEST(Bridge, ListensWhereTheSettingsSay) {
   const bench::Bench bench({.axes = 1, .clock = ClockMode::realtime});
   canopen::Settings settings;
@@ -148,7 +150,7 @@ TEST(PrivateBridge, RefusesAxesThatCannotBeNodes) {
   EXPECT_THROW(bridge.start(), vdrive::settings::ConfigurationError);
 }
 
-/// 6081h is no value of the status: it is read beside the ticks.
+/// 6081h is not part of the status: the bridge reads it between ticks.
 TEST(Bridge, SendsAParameterInATpdoWhenItChanges) {
   BusOfBench bus(1);
   ASSERT_TRUE(bus.master().wait_for(0x701));

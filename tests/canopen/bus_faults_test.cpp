@@ -36,7 +36,7 @@ BusFaults faults_of(std::string_view text) {
   return faults;
 }
 
-/// @return the numbers of the lost ones of the first 10,000 frames.
+/// @return the numbers of the frames lost among the first 10,000.
 std::vector<std::uint64_t> lost_frames(BusFaults faults, std::uint8_t node,
                                        FrameDirection direction) {
   std::vector<std::uint64_t> lost;
@@ -104,7 +104,7 @@ TEST(BusFaults, HitTheSameFramesInEachRun) {
   EXPECT_NE(lost_frames(faults_of("lost 5% seed 7"), 3, kReceived), lost);
 }
 
-// Of 10,000 frames with 5 %: 500, with a standard deviation of 22.
+// 5 % of 10,000 frames: 500, with a standard deviation of 22.
 TEST(BusFaults, HitAsManyFramesAsTheySay) {
   EXPECT_NEAR(static_cast<double>(lost_frames(faults_of("lost 5%"), 1, kSent).size()), 500, 110);
   EXPECT_EQ(lost_frames(faults_of("lost"), 1, kSent).size(), 10'000U);

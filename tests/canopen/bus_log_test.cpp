@@ -101,7 +101,7 @@ TEST(BusLog, ReportsAFullDiskOnceAndCountsWhatIsMissing) {
   EXPECT_EQ(logged.log->flush(), 3U);
 }
 
-// A line has 32 bytes: three of them are within 100.
+// A line has 32 bytes, so three lines fit into 100.
 TEST(BusLog, EndsAtItsLimit) {
   const test::TemporaryDirectory directory;
   const std::filesystem::path file = directory.path() / "bus.log";

@@ -14,12 +14,12 @@
 
 namespace vdrive::test {
 
-/// A bus of the bridge, without a connection to the outside, whose nodes are the axes of a bench in
-/// this process; and a master on it.
+/// A bridge without an external connection: the nodes of its bus are the axes of a bench in this
+/// process, and a test master is attached to it.
 class BusOfBench {
  public:
-  /// @param sync_steps drive time of a SYNC; nothing = the bench runs in realtime
-  /// @param directory of what 1010h stores; empty = memory
+  /// @param sync_steps drive time per SYNC; std::nullopt = the bench runs in real time
+  /// @param directory where 1010h stores parameters; empty = in memory
   explicit BusOfBench(std::size_t axes, std::optional<std::chrono::microseconds> sync_steps = {},
                       const std::string& directory = "")
       : bench_options_{.axes = axes,
@@ -40,14 +40,14 @@ class BusOfBench {
 
   [[nodiscard]] const canopen::BenchNodes& nodes() { return *bridge_.bus(0).nodes(1); }
 
-  /// A session of another program.
+  /// @return a session of another client.
   [[nodiscard]] client::Session other_session() const { return bench_->session(); }
 
   void end_bench() { bench_.reset(); }
 
   void begin_bench() { bench_.emplace(bench_options_); }
 
-  /// Lets periods pass.
+  /// Sends SYNCs, each of which lets one period pass.
   void sync(int count = 1) {
     for (int i = 0; i < count; ++i) master_.send_sync();
   }
@@ -78,7 +78,7 @@ class BusOfBench {
   TestMaster master_;
 };
 
-// What 6041h has in its bits 0 to 3, 5 and 6 (CiA 402).
+// Bits 0 to 3, 5 and 6 of 6041h: the power state (CiA 402).
 inline constexpr std::uint16_t kStateBits = 0x006F;
 inline constexpr std::uint16_t kShowsEnabled = 0x0027;
 inline constexpr std::uint16_t kShowsFault = 0x0008;

@@ -13,7 +13,7 @@
 namespace vdrive::canopen {
 namespace {
 
-/// A port that does something when it gets a frame.
+/// A port that calls a function for each frame it receives.
 class ActingPort final : public Port {
  public:
   explicit ActingPort(std::function<void(const Frame&)> act) : act_(std::move(act)) {}
@@ -50,7 +50,7 @@ TEST(Bus, DeliversAFrameWithoutASenderToAll) {
   EXPECT_EQ(port.frames, Frames{kFirst});
 }
 
-/// A port that counts how often it resumes.
+/// A port that counts its resume() calls.
 class ResumingPort final : public Port {
  public:
   void deliver(const Frame& /*frame*/) override {}
@@ -109,7 +109,7 @@ TEST(Bus, KeepsOneOrderForAllWhenAPortAnswersWithinADelivery) {
   bus.attach(answering);
   RecordedPort after(bus);
   bus.send(kFirst, nullptr);
-  // The answer comes behind the frame for `after`, too, which gets frames last.
+  // The answer follows the frame also for `after`, which receives frames last.
   EXPECT_EQ(before.frames, (Frames{kFirst, kSecond}));
   EXPECT_EQ(after.frames, (Frames{kFirst, kSecond}));
   EXPECT_EQ(answering.frames, Frames{kFirst});
@@ -135,7 +135,7 @@ TEST(Bus, GivesAPortThatIsDetachedWithinADeliveryNothingMore) {
   bus.attach(cutting);
   victim = std::make_unique<RecordedPort>(bus);
   RecordedPort last(bus);
-  bus.send(kFirst, nullptr);  // would touch the deleted port
+  bus.send(kFirst, nullptr);  // would reach a dangling port
   bus.send(kSecond, nullptr);
   EXPECT_EQ(last.frames, (Frames{kFirst, kSecond}));
 }
@@ -179,7 +179,7 @@ TEST(Bus, GivesAPortThatIsAttachedWithinADeliveryTheNextFrameFirst) {
   EXPECT_EQ(added->frames, Frames{kSecond});
 }
 
-// Such as two nodes whose TPDOs are the SYNC of the other one.
+// For example two nodes, each with the other's TPDO as its SYNC.
 TEST(Bus, EndsPortsThatAnswerEachOtherAndCountsWhatItDrops) {
   Bus bus;
   ActingPort one([&](const Frame&) {

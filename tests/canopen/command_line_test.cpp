@@ -77,7 +77,7 @@ TEST(CanopenCommandLine, NamesWhatWhereAndTheLimitOfAMistake) {
 }
 
 TEST(CanopenCommandLine, FailsWhereItCannotListen) {
-  // An address of documents (RFC 5737), which no machine has.
+  // An address reserved for documentation (RFC 5737), which no machine has.
   const Ended ended = run_with({"--private", "--socketcand", "192.0.2.1:1"});
   EXPECT_EQ(ended.code, 1);
   EXPECT_THAT(ended.errors, HasSubstr("192.0.2.1:1"));

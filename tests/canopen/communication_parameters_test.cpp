@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What 1010h:01 saves and a reset restores, and the order of the writes.
+// Saving by 1010h:01, restoring at a reset, and the order of the restoring writes.
 #include "node/communication_parameters.hpp"
 
 #include "node/node_object.hpp"
@@ -23,10 +23,10 @@ using testing::SizeIs;
 
 using Values = CommunicationParameters::Values;
 
-/// What restore() writes.
+/// Records the writes of restore().
 class WrittenParameters {
  public:
-  /// @param refused is answered with an abort
+  /// @param refused is the object whose write is answered with an abort
   explicit WrittenParameters(const CommunicationParameters& parameters,
                              std::optional<ObjectAddress> refused = std::nullopt) {
     parameters.restore([&](ObjectAddress object, std::uint32_t value) {
@@ -113,7 +113,7 @@ TEST(CommunicationParameters, SwitchTheEmergencyOnAgainWhenTheStoredCobIdIsRefus
                   Pair(ObjectAddress{0x1014, 0}, 0x581U), Pair(ObjectAddress{0x1014, 0}, 0x85U)));
 }
 
-// 1019h is refused while 1006h is not 0.
+// 1019h is refused unless 1006h is 0.
 TEST(CommunicationParameters, RestoreTheOverflowOfTheSyncCounterFirst) {
   const CommunicationParameters parameters(
       5, {{{0x1005, 0}, 0x90}, {{0x1006, 0}, 10'000}, {{0x1019, 0}, 10}, {{0x1029, 1}, 1}});
@@ -133,7 +133,7 @@ TEST(CommunicationParameters, RestoreAPdoAsAMasterRemapsIt) {
   for (const auto& write : order) {
     if (objects.empty() || objects.back() != write.first) objects.push_back(write.first);
   }
-  // 1A00h:01 is as it is by default, and so it is not stored.
+  // 1A00h:01 has its default value, so it is not stored.
   EXPECT_THAT(objects, ElementsAre(ObjectAddress{0x1800, 1}, ObjectAddress{0x1A00, 0},
                                    ObjectAddress{0x1A00, 2}, ObjectAddress{0x1A00, 0},
                                    ObjectAddress{0x1800, 2}, ObjectAddress{0x1800, 1}));

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Nodes on a bus with faults. Each SYNC is 1 ms of drive time.
+// Nodes on a disturbed bus. Each SYNC lets 1 ms of drive time pass.
 #include "canopen/bus_of_bench.hpp"
 
 #include <gmock/gmock.h>
@@ -24,9 +24,9 @@ using testing::ElementsAre;
 using testing::IsEmpty;
 using testing::SizeIs;
 
-constexpr std::uint8_t kStartNode = 0x01;  // command of NMT
+constexpr std::uint8_t kStartNode = 0x01;  // NMT command
 
-/// Nodes in Operational, whose TPDO1 (6041h) is sent at each SYNC.
+/// Nodes in Operational that send TPDO1 (6041h) at each SYNC.
 class DisturbedBus {
  public:
   explicit DisturbedBus(std::size_t axes = 1) : bus_(axes, 1ms) {
@@ -49,7 +49,7 @@ class DisturbedBus {
     EXPECT_TRUE(faults().add(fault, start));
   }
 
-  /// @return the frames that the master gets within this many SYNCs.
+  /// @return the frames that the master receives during this many SYNCs.
   std::vector<Frame> sync(int count = 1) {
     bus_.sync(count);
     return bus_.master().take_all();
@@ -81,7 +81,7 @@ TEST(DisturbedBus, LosesWhatANodeSendsAndLeavesTheOthersAlone) {
   EXPECT_EQ(bus.faults().disturbed_frames(), 3U);
 }
 
-// Time is that of the master, who does not know that its SYNC is lost: the drive goes on.
+// The master's SYNC defines the time: even when the nodes do not receive it, the drives step.
 TEST(DisturbedBus, LetsTimePassWithASyncThatTheNodesDoNotReceive) {
   DisturbedBus bus;
   const canopen::DriveTime before = bus.now();
@@ -135,8 +135,8 @@ TEST(DisturbedBus, HasTheSameFramesInEachRun) {
   EXPECT_NE(run("2"), frames);
 }
 
-// 1029h:01 = 0: Pre-operational. Its drive has lost its master (8130h by 6007h is none: it is not
-// enabled). 8140h is sent when the controller is back.
+// 1029h:01 = 0: the node changes to Pre-operational. Its drive reports a lost master, but not as
+// fault 8130h (6007h), because it is not enabled. 8140h is sent when the node is back on the bus.
 TEST(DisturbedBus, TakesANodeOffTheBusAndBack) {
   DisturbedBus bus(2);
   bus.disturb("1 bus_off for 5ms");
@@ -177,7 +177,7 @@ TEST(DisturbedBus, LosesTheMasterOfAnEnabledDriveWithBusOff) {
   EXPECT_EQ(bus.bench().read(1, {0x603F, 0}), 0x8130);
 }
 
-// 6060h of the axis is 3, that of the other device has its default.
+// 6060h of the axis is 3; the other device has the default.
 TEST(DisturbedBus, HasASecondDeviceWithTheIdOfANode) {
   DisturbedBus bus(2);
   ASSERT_EQ(bus.bench().master().download(1, {0x6060, 0}, 3, 1), AbortCode::none);

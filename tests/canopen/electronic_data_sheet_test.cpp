@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The electronic data sheet, read by a strict parser of its own: what CiA 306 wants, and what
-// lely-core's dcf tools, python-canopen and the package canopen of npm refuse.
+// Reads the electronic data sheet with a strict parser: demands the rules of CiA 306, and refuses
+// anything that lely-core's dcf tools, python-canopen or the npm package canopen refuse.
 #include "node/electronic_data_sheet.hpp"
 
 #include "node/node_object.hpp"
@@ -32,7 +32,7 @@ using testing::ElementsAre;
 using testing::HasSubstr;
 using testing::MatchesRegex;
 
-/// A section of an INI file, its entries in order.
+/// A section of an INI file with its entries in order.
 struct SheetSection {
   std::string name;
   std::vector<std::pair<std::string, std::string>> entries;
@@ -67,8 +67,8 @@ std::string in_small_letters(std::string text) {
 }
 
 /// @throws std::runtime_error for a line that is neither a section, an entry nor empty; for an
-///         entry outside of sections; for a section or a key that is there twice: some readers do
-///         not distinguish capitals.
+///   entry outside a section; for a repeated section or key, where case is ignored because some
+///   readers ignore it.
 Sheet parse_sheet(const std::string& text) {
   Sheet sheet;
   std::set<std::string> sections;
@@ -95,7 +95,7 @@ Sheet parse_sheet(const std::string& text) {
   return sheet;
 }
 
-/// A number as CiA 306 writes it: decimal, or hex in capitals behind 0x.
+/// A number in the notation of CiA 306: decimal, or 0x and capital hex digits.
 std::int64_t sheet_value(const std::string& text) {
   const bool is_hex = text.starts_with("0x");
   const auto number = is_hex ? parse_digits<std::int64_t>(std::string_view(text).substr(2), 16)
@@ -121,7 +121,7 @@ class ElectronicDataSheet : public testing::Test {
     return std::ranges::find(sheet_, name, &SheetSection::name) != sheet_.end();
   }
 
-  /// Sections of values: variables, and the objects of arrays and records.
+  /// The sections that describe values: variables, and the objects of arrays and records.
   [[nodiscard]] std::vector<SheetSection> values() const {
     std::vector<SheetSection> found;
     for (const SheetSection& candidate : sheet_) {
@@ -199,7 +199,7 @@ TEST_F(ElectronicDataSheet, HasTheNumbersOfTheIdentityObjectInTheDeviceInfo) {
   EXPECT_EQ(info.at("RevisionNumber"), section("1018sub3").at("DefaultValue"));
 }
 
-// BOOLEAN is no whole byte; INTEGER8 to UNSIGNED32 can be dummies in an RPDO.
+// A BOOLEAN does not fill a byte; INTEGER8 to UNSIGNED32 can be dummies in an RPDO.
 TEST_F(ElectronicDataSheet, NamesAllDummies) {
   const SheetSection& dummies = section("DummyUsage");
   EXPECT_THAT(dummies.keys(), ElementsAre("Dummy0001", "Dummy0002", "Dummy0003", "Dummy0004",
@@ -221,10 +221,10 @@ TEST_F(ElectronicDataSheet, NumbersItsComments) {
 
 struct ListedIndex {
   std::string list;
-  std::string index;  ///< its section
+  std::string index;  ///< the name of its section
 };
 
-/// All that the three lists name, in order.
+/// All entries of the three lists, in order.
 std::vector<ListedIndex> listed_indices(const Sheet& sheet) {
   std::vector<ListedIndex> listed;
   for (const SheetSection& list : sheet) {
@@ -281,7 +281,8 @@ TEST_F(ElectronicDataSheet, HasEachObjectBehindItsIndex) {
   }
 }
 
-// npm's reader refuses further keys of an array or a record, lely's a SubNumber of others.
+// The npm reader refuses further keys in an array or a record; lely-core refuses SubNumber
+// elsewhere.
 TEST_F(ElectronicDataSheet, CountsTheObjectsOfArraysAndRecords) {
   for (const auto& [list, index] : listed_indices(sheet_)) {
     const SheetSection& parent = section(index);
@@ -321,7 +322,7 @@ TEST_F(ElectronicDataSheet, HasTheKeysOfAValueAndNoOthers) {
   }
 }
 
-/// The numbers that a type of CiA 301 holds, by its number.
+/// The range of each CiA 301 data type, by type number.
 std::pair<std::int64_t, std::int64_t> type_limits(std::int64_t type) {
   static const std::map<std::int64_t, std::pair<std::int64_t, std::int64_t>> limits{
       {2, {-128, 127}}, {3, {-32'768, 32'767}}, {4, {-2'147'483'648, 2'147'483'647}},
@@ -387,7 +388,7 @@ TEST_F(ElectronicDataSheet, AddsTheNodeIdInFrontOfACobId) {
   EXPECT_EQ(section("1005").at("DefaultValue"), "0x00000080");
 }
 
-// Readers differ in negative hex numbers: they are decimal.
+// Readers interpret negative hex numbers differently, so these are written in decimal.
 TEST_F(ElectronicDataSheet, WritesNegativeNumbersInDecimal) {
   EXPECT_EQ(section("607Dsub1").at("DefaultValue"), "-2147483648");
   EXPECT_EQ(section("6098").at("LowLimit"), "-4");
@@ -409,7 +410,7 @@ TEST_F(ElectronicDataSheet, HasTheAccessOfCiA306) {
   }
 }
 
-/// That of node 3, whose drive has other values than the dictionary.
+/// The DCF of node 3, whose drive deviates from the defaults of the dictionary.
 class DeviceConfigurationFile : public ElectronicDataSheet {
  protected:
   static constexpr std::array<DriveValue, 3> kValues{{
@@ -422,7 +423,7 @@ class DeviceConfigurationFile : public ElectronicDataSheet {
       : ElectronicDataSheet({.program_version = "1.2.3", .node_id = 3, .values = kValues}) {}
 };
 
-// Readers that do not know $NODEID take it for 0: package canopen of npm.
+// The npm package canopen does not know $NODEID and takes it for 0.
 TEST_F(DeviceConfigurationFile, HasNumbersForCobIds) {
   EXPECT_EQ(text_.find('$'), std::string::npos);
   EXPECT_EQ(section("1400sub1").at("DefaultValue"), "0x00000203");
@@ -450,7 +451,7 @@ TEST_F(DeviceConfigurationFile, HasTheValuesOfItsDrive) {
             std::to_string(find_node_object({0x6066, 0})->default_value));
 }
 
-// 1600h.. and 1A00h..: index, sub-index and length in bits of the objects that they map.
+// Entries of 1600h.. and 1A00h..: index, sub-index and length [bits] of the mapped object.
 TEST_F(ElectronicDataSheet, HasEveryMappedObject) {
   std::size_t mapped = 0;
   for (const std::string first : {"160", "1A0"}) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The emergency producer by itself: CiA 301, 7.2.7. Node 1: 081h.
+// Unit tests of the emergency producer (CiA 301, 7.2.7). The COB-ID of node 1 is 081h.
 #include "node/emergency.hpp"
 
 #include "canopen/fake_host.hpp"
@@ -22,7 +22,7 @@ using testing::ElementsAre;
 using testing::IsEmpty;
 using testing::SizeIs;
 
-/// A drive in profile position, without a fault, whose node may send emergencies.
+/// A drive in profile position mode without a fault, whose node may send emergencies.
 struct EmergencyUnderTest {
   FakeHost host;
   Emergency emergency{1, host};
@@ -34,7 +34,7 @@ struct EmergencyUnderTest {
     emergency.set_allowed(true, 0s);
   }
 
-  /// The drive has a fault, and shows it.
+  /// Sets a fault in the drive's status.
   std::vector<std::string> fault(std::uint16_t code, std::uint8_t error_register,
                                  DriveTime now = 0s) {
     drive.error_code = code;
@@ -44,7 +44,7 @@ struct EmergencyUnderTest {
     return update(now);
   }
 
-  /// The fault is reset.
+  /// Resets the fault.
   std::vector<std::string> reset(DriveTime now = 0s) {
     drive.error_code = 0;
     drive.error_register = 0;
@@ -63,7 +63,7 @@ struct EmergencyUnderTest {
   }
 };
 
-// --- behind NMT reset node: the drive restarts later ---
+// --- after NMT reset node: the drive restarts later ---
 
 TEST(Emergency, LeavesOutTheFaultOfADriveThatHasNotRestartedYet) {
   EmergencyUnderTest node;
@@ -77,7 +77,7 @@ TEST(Emergency, LeavesOutTheFaultOfADriveThatHasNotRestartedYet) {
   EXPECT_THAT(node.fault(0x8611, 0x21, 3ms), SizeIs(1)) << "of the restarted drive";
 }
 
-// 6007h = 1: a drive in Operation enabled has the fault 8130h before it is switched off.
+// 6007h = 1: a drive in Operation enabled enters fault 8130h before it is switched off.
 TEST(Emergency, LeavesOutTheFaultThatTheResetItselfCausesInTheDrive) {
   EmergencyUnderTest node;
   node.emergency.reset();
@@ -190,7 +190,7 @@ TEST(Emergency, OfTheCommunicationSetsItsBitsUntilItIsOver) {
   EXPECT_THAT(node.host.take(), IsEmpty()) << "it was over";
 }
 
-// CiA 301, 7.2.7.1: the error free state is that without any error.
+// CiA 301, 7.2.7.1: the state is error free only without any error.
 TEST(Emergency, OfTheCommunicationIsOverWhenTheLastOneIs) {
   EmergencyUnderTest node;
   node.fault(0x2310, 0x03);
@@ -213,7 +213,7 @@ TEST(Emergency, IsInTheHistoryNewestFirstWithoutErrorResets) {
   node.reset();
   node.emergency.end_errors(0s);
   node.emergency.begin_heartbeat_error(9, 0s);
-  node.fault(0x8130, 0x11);  // what the drive makes of it
+  node.fault(0x8130, 0x11);  // the drive's reaction to it
   EXPECT_THAT(node.emergency.history(), ElementsAre(0x8130, 0x8210, 0x8611));
   node.emergency.clear_history();
   EXPECT_THAT(node.emergency.history(), IsEmpty());
@@ -264,7 +264,7 @@ TEST(Emergency, WaitsForTheEndOfTheInhibitTime) {
   EXPECT_EQ(node.emergency.held_back(), 0U) << "late, not lost";
 }
 
-// Byte 2 of 8210h: 09h of the drive and 11h of the communication are 19h.
+// 1001h in byte 2 of 8210h: 09h (drive) | 11h (communication) = 19h.
 TEST(Emergency, SendsThoseThatTheInhibitTimeHeldBackOneByOneInTheirOrder) {
   EmergencyUnderTest node;
   node.emergency.set_inhibit_time(500);

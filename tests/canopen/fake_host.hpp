@@ -18,8 +18,9 @@
 
 namespace vdrive::canopen {
 
-/// @param text as can-utils write it: "601#4041600000000000", "181#R", "00000601#00" (extended)
-/// @throws std::bad_optional_access where a digit is none.
+/// @param text in the notation of can-utils: "601#4041600000000000", "181#R", "00000601#00"
+///   (extended)
+/// @throws std::bad_optional_access if a digit is not hexadecimal.
 inline Frame frame_of(std::string_view text) {
   constexpr std::size_t kBaseDigits = 3;
   const std::size_t mark = text.find('#');
@@ -45,7 +46,7 @@ inline std::string hex_digits(std::uint32_t number, std::size_t count) {
   return text;
 }
 
-/// @return as frame_of() reads it.
+/// @return the frame in the notation that frame_of() reads.
 inline std::string text_of(const Frame& frame) {
   std::string text = hex_digits(frame.id, frame.is_extended ? 8 : 3) + '#';
   if (frame.is_remote) return text + 'R';
@@ -57,7 +58,7 @@ inline std::ostream& operator<<(std::ostream& stream, const Frame& frame) {
   return stream << text_of(frame);
 }
 
-/// The world around a node: records what the node does to it, and answers nothing by itself.
+/// A host that records the actions of a node and answers nothing on its own.
 class FakeHost final : public NodeHost {
  public:
   void send(const Frame& frame) override { frames.push_back(frame); }
@@ -77,7 +78,7 @@ class FakeHost final : public NodeHost {
     return can_store;
   }
 
-  /// @return the frames since the last call, as text.
+  /// @return the frames since the previous call, as text.
   std::vector<std::string> take() {
     std::vector<std::string> texts;
     for (const Frame& frame : std::exchange(frames, {})) texts.push_back(text_of(frame));

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The gateway of CiA 309-3: its PDOs, SYNC and the faults of its bus.
+// The CiA 309-3 gateway: its PDOs, its SYNC and faults on its bus.
 #include "bus/gateway_pdos.hpp"
 
 #include "bus/ascii_gateway.hpp"
@@ -26,7 +26,7 @@ using testing::ElementsAre;
 using testing::HasSubstr;
 using testing::IsEmpty;
 
-/// A gateway with two sessions. What the second one is told is kept apart.
+/// A gateway with two sessions; answers to the second one are recorded separately.
 struct PdoGateway final : GatewayHost {
   void send(const Frame& frame) override { sent.push_back(frame); }
 
@@ -63,7 +63,7 @@ struct PdoGateway final : GatewayHost {
   GatewaySession second = gateway.open();
 };
 
-// 6041h has two bytes and 6064h four: 0237h and 000003E8h.
+// 6041h (two bytes) = 0237h, 6064h (four bytes) = 000003E8h.
 TEST(GatewayPdo, ThatItReceivesIsReportedAndRead) {
   PdoGateway test;
   EXPECT_THAT(test.take("[1] set rpdo 2 0x381 event 2 0x6041 0 0x6064 0"), ElementsAre("[1] OK"));

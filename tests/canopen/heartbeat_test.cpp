@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Heartbeat producer and consumer by themselves, then the reaction of a node (node 1).
+// Heartbeat producer and consumer on their own, then the reaction of a node (node 1).
 #include "node/heartbeat.hpp"
 
 #include "canopen/fake_host.hpp"
@@ -24,7 +24,7 @@ using testing::Contains;
 using testing::ElementsAre;
 using testing::IsEmpty;
 
-/// A producer whose node is in pre-operational.
+/// A producer whose node is in Pre-operational.
 struct ProducerUnderTest {
   FakeHost host;
   HeartbeatProducer producer{5, host};
@@ -250,8 +250,8 @@ TEST(HeartbeatConsumer, WatchesNobodyAfterAReset) {
   EXPECT_EQ(consumer.next_due(), std::nullopt);
 }
 
-/// A node 1 that watches node 9h with 200 ms, and has heard it at 0 s. Its drive shows 0
-/// everywhere.
+/// Node 1 watches node 9h with 200 ms and has received its heartbeat at 0 s. The values of its
+/// drive are all 0.
 struct WatchingNode {
   FakeHost host;
   Node node{{.node_id = 1}, host};
@@ -279,7 +279,7 @@ struct WatchingNode {
     return host.take();
   }
 
-  /// The drive reacts to the lost master with a fault, as 6007h = 1 says.
+  /// The drive reacts to the lost master with a fault, as configured by 6007h = 1.
   void fault() {
     drive.status.error_code = 0x8130;
     drive.status.error_register = 0x11;
@@ -292,8 +292,8 @@ struct WatchingNode {
   }
 };
 
-// Error code 8130h, 1001h = generic and communication (11h), 6041h, 6061h and faults are 0, the
-// silent producer is node 9.
+// Error code 8130h; 1001h = 11h (generic and communication); 6041h, 6061h and the number of faults
+// are 0; the silent producer is node 9.
 TEST(HeartbeatError, IsReportedWithEmergency8130AndALostConnection) {
   WatchingNode watching;
   EXPECT_EQ(watching.node.next_due(), DriveTime(200ms));
@@ -386,7 +386,7 @@ TEST(HeartbeatError, LastsUntilAllProducersAreBack) {
   EXPECT_THAT(watching.receive("70A#05", 300ms), ElementsAre("081#0000000000000000"));
 }
 
-// Another master may have reset the fault of the first loss, and enabled the drive, since.
+// In the meantime another master may have reset the fault of the first loss and enabled the drive.
 TEST(HeartbeatError, IsALossOfItsOwnToTheDriveForEachProducer) {
   WatchingNode watching;
   watching.receive("601#23161002F4010A00");  // node Ah, 500 ms
@@ -397,7 +397,7 @@ TEST(HeartbeatError, IsALossOfItsOwnToTheDriveForEachProducer) {
   EXPECT_THAT(watching.host.connection_lost, ElementsAre(true, true));
 }
 
-// A master may enable the drive by SDO without a start of the node by NMT.
+// A master may enable the drive by SDO without an NMT start of the node.
 TEST(HeartbeatError, IsALossToTheDriveAlsoBehindAStopByNmt) {
   WatchingNode watching;
   watching.receive("000#0101");

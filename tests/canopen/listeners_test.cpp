@@ -14,7 +14,8 @@ Kind kind_of(const Listeners& listeners, std::uint32_t id) {
   return listeners.find({.id = id}).kind;
 }
 
-/// Nodes 5 and 6 at the places 0 and 1, with their default RPDO 1, and 6 with a heartbeat of 127.
+/// Nodes 5 and 6 at positions 0 and 1 with their default RPDO 1; node 6 also consumes the heartbeat
+/// of node 127.
 Listeners two_nodes() {
   constexpr std::array<std::uint16_t, 2> kOfFive{0x080, 0x205};
   constexpr std::array<std::uint16_t, 3> kOfSix{0x080, 0x206, 0x77F};

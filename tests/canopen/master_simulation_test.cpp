@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-// Masters that do anything, by seed: SDO, PDO, NMT, SYNC, heartbeats and noise in any order, at a
-// node whose drive is an axis of the core. After each frame and tick: no invariant of the drive is
-// broken, and every SDO request is answered or aborted.
+// Random masters, by seed: SDO, PDO, NMT, SYNC, heartbeats and noise in any order, sent to a node
+// whose drive is an axis of the core. Checks after each frame and tick that no invariant of the
+// drive is broken and that every SDO request is answered or aborted.
 //
-// A seed takes some milliseconds: 100 by default, 1,000 with VDRIVE_FULL, 10,000 by night. A seed
-// that fails is printed; VDRIVE_MASTER_SEED=<seed> in the environment plays it alone.
+// A seed takes some milliseconds: 100 by default, 1,000 with VDRIVE_FULL, 10,000 at night. A
+// failing seed is printed; the environment variable VDRIVE_MASTER_SEED=<seed> runs it alone.
 #include "canopen/fake_host.hpp"
 #include "node/node.hpp"
 #include "node/node_object.hpp"
@@ -44,7 +44,7 @@ constexpr std::uint8_t kSimulatedNode = 3;
 constexpr std::uint32_t kRequestId = 0x600 + kSimulatedNode;
 constexpr std::uint32_t kResponseId = 0x580 + kSimulatedNode;
 constexpr std::uint32_t kNodeHeartbeatId = 0x700 + kSimulatedNode;
-constexpr std::int64_t kMostOutstanding = 17;  // one under way and 16 that wait
+constexpr std::int64_t kMostOutstanding = 17;  // one in progress and 16 waiting
 
 constexpr ObjectAddress kControlword{0x6040, 0};
 constexpr ObjectAddress kAbortConnection{0x6007, 0};
@@ -53,14 +53,14 @@ constexpr ObjectAddress kControlwordLoop{0x5E20, 0x06};
 constexpr ObjectAddress kPowerOnTime{0x5E20, 0x07};
 constexpr ObjectAddress kFaultResetDelay{0x5E20, 0x09};
 
-/// The first invariant that was broken.
+/// The first broken invariant.
 class Verdict {
  public:
   void demand(bool holds, std::string_view invariant) {
     if (!holds && broken_.empty()) broken_ = invariant;
   }
 
-  /// @param violated an invariant, or nullptr
+  /// @param violated an invariant; nullptr = none
   void note(const char* violated) {
     if (violated != nullptr) demand(false, violated);
   }
@@ -71,7 +71,7 @@ class Verdict {
   std::string broken_;
 };
 
-/// The bench behind a node: one axis of the core.
+/// The drive side of a node: one axis of the core.
 class SimulatedDrive final : public NodeHost {
  public:
   explicit SimulatedDrive(Verdict& verdict) : verdict_(verdict) {}
@@ -107,7 +107,7 @@ class SimulatedDrive final : public NodeHost {
 
   bool store(const std::map<ObjectAddress, std::uint32_t>& /*parameters*/) override { return true; }
 
-  /// @return what has to be given to Node::complete(); none = no access is under way.
+  /// @return the arguments for Node::complete(); std::nullopt if no access is in progress.
   std::optional<std::pair<std::uint32_t, DriveAnswer>> answer_access() {
     if (!access_) return std::nullopt;
     const DriveAccess access = *std::exchange(access_, std::nullopt);
@@ -148,24 +148,26 @@ class SimulatedDrive final : public NodeHost {
       power_.expect_enabling(enabling_delay());
       power_.expect_reset(reset_delay());
     } else if (object.index == kControlwordLoop.index) {
-      // A word that waits for a look is carried out with the delays that are in force then.
+      // A controlword that waits for the drive to look at it is executed with the delays then in
+      // force.
       if (power_.may_enable()) power_.expect_enabling(enabling_delay());
       if (power_.may_reset()) power_.expect_reset(reset_delay());
     }
     return code;
   }
 
-  /// 5E20h holds back a word until the drive looks at it. The power stage needs time after that.
+  /// 5E20h delays a controlword until the drive looks at it; then the power stage needs its own
+  /// time.
   [[nodiscard]] std::uint64_t enabling_delay() {
     return delay(kControlwordLoop) + delay(kPowerOnTime);
   }
 
-  /// So does a fault reset.
+  /// The same for a fault reset.
   [[nodiscard]] std::uint64_t reset_delay() {
     return delay(kControlwordLoop) + delay(kFaultResetDelay);
   }
 
-  /// @return an object of 5E20h in ticks, which are as long as its unit, 1 ms.
+  /// @return an object of 5E20h in ticks; a tick equals its unit, 1 ms.
   [[nodiscard]] std::uint64_t delay(ObjectAddress object) {
     static_assert(kTick == std::chrono::milliseconds{1});
     return static_cast<std::uint64_t>(bank_.read(0, object).value);
@@ -176,7 +178,7 @@ class SimulatedDrive final : public NodeHost {
     const std::int64_t reaction = bank_.read(0, kAbortConnection).value;
     bank_.report_connection_loss(0);
     const PowerState after = bank_.power_state(0);
-    if (reaction != 0) power_.forget_enabling();  // a lost master enables nothing later
+    if (reaction != 0) power_.forget_enabling();  // after a loss no waiting word may enable
     verdict_.demand(
         test::reacts_to_loss(reaction, before, after) && (reaction != 0 || after == before),
         test::Invariant::kReaction);
@@ -192,7 +194,7 @@ class SimulatedDrive final : public NodeHost {
   bool is_cycled_ = false;  ///< since the last tick
 };
 
-/// Frames of masters, by chance: of one that sees the drive, and of those that know nothing.
+/// Random frames: of a master that watches the drive, and of masters that do not.
 class RandomMaster {
  public:
   RandomMaster(const SimulatedDrive& drive, Random& random) : drive_(drive), random_(random) {}
@@ -240,7 +242,7 @@ class RandomMaster {
 
   Frame read() { return request(0x40, any_object().address); }
 
-  /// Expedited, and now and then with another size.
+  /// Expedited, sometimes with a wrong size.
   Frame write() {
     const NodeObject& object = any_object();
     std::uint32_t value = random_.word();
@@ -251,14 +253,14 @@ class RandomMaster {
     return request(static_cast<std::uint8_t>(0x23U | (4U - size) << 2U), object.address, value);
   }
 
-  /// Expedited, with the size of its object.
+  /// Expedited, with the correct size.
   static Frame write_of(const test::Write& write) {
     const unsigned size = size_of(find_node_object(write.object)->data_type);
     return request(static_cast<std::uint8_t>(0x23U | (4U - size) << 2U), write.object,
                    static_cast<std::uint32_t>(write.value));
   }
 
-  /// What moves the axis, or changes how the node communicates.
+  /// A write that moves the axis or changes the communication of the node.
   Frame useful_write() {
     switch (random_.below(10)) {
       case 0:
@@ -274,7 +276,7 @@ class RandomMaster {
     }
   }
 
-  /// Begins or continues a segmented transfer, or aborts it.
+  /// Begins, continues or aborts a segmented transfer.
   Frame segment() {
     constexpr std::array<std::uint8_t, 10> kCommands{0x20, 0x21, 0x00, 0x10, 0x07,
                                                      0x1B, 0x60, 0x70, 0x80, 0xA4};
@@ -314,7 +316,7 @@ class RandomMaster {
                 .size = static_cast<std::uint8_t>(random_.below(9))};
     if (random_.one_in(3)) frame.id = kRequestId;
     for (std::uint8_t& byte : frame.data) byte = static_cast<std::uint8_t>(random_.below(256));
-    // What follows the beginning of a block transfer is not one response to each request.
+    // A block transfer does not have one response per request, so none is started.
     const bool is_block = frame.data[0] >> 5U == 6 || frame.data[0] >> 5U == 5;
     if (frame.id == kRequestId && is_block) frame.data[0] = 0xA0;
     return frame;
@@ -324,16 +326,16 @@ class RandomMaster {
   Random& random_;
 };
 
-/// What happened in a seed.
+/// Statistics of a seed.
 struct MasterReport {
-  std::string broken;  ///< the first invariant, with its tick; empty = none
+  std::string broken;  ///< the first broken invariant, with its tick; empty = none
   std::uint64_t hash = 0;
   std::uint64_t requests = 0;
   std::uint64_t enabled_ticks = 0;
   std::uint64_t faults = 0;
   std::uint64_t emergencies = 0;
   std::uint64_t time_outs = 0;
-  std::uint32_t modes = 0;  ///< that were in force in Operation enabled, as in 6502h
+  std::uint32_t modes = 0;  ///< active in Operation enabled, bits as in 6502h
 
   void add(const MasterReport& other) {
     modes |= other.modes;
@@ -382,7 +384,7 @@ class MasterSimulation {
     const NmtState before = node_.state();
     node_.update(view, now_);
     observe(before);
-    // A bench that is late misses times; they are not lost.
+    // A late bench may skip a call of advance(); the next call makes up for it.
     if (random_.one_in(10)) return;
     const NmtState before_advance = node_.state();
     node_.advance(now_);
@@ -421,7 +423,7 @@ class MasterSimulation {
     return true;
   }
 
-  /// What the node has sent in a call that found it in state `before`.
+  /// Checks the frames that the node has sent in a call that found it in state `before`.
   void observe(NmtState before) {
     const bool stays_stopped = before == NmtState::stopped && node_.state() == before;
     for (const Frame& frame : drive_.take()) {
@@ -435,12 +437,12 @@ class MasterSimulation {
         verdict_.demand(frame.size == kMostData, "an SDO response has 8 bytes");
       } else if (frame.id == kNodeHeartbeatId) {
         verdict_.demand(frame.size == 1, "a heartbeat has one byte");
-        if (frame.data[0] == 0) outstanding_ = 0;  // boot-up: a reset has dropped what waited
+        if (frame.data[0] == 0) outstanding_ = 0;  // boot-up: the reset dropped all requests
       } else if (frame.id == 0x080U + kSimulatedNode) {
         ++report_.emergencies;
       }
     }
-    // A time-out is an abort without a request.
+    // A time-out sends an abort without a request.
     const std::uint64_t time_outs = node_.counters().sdo_time_outs;
     outstanding_ += static_cast<std::int64_t>(time_outs - time_outs_);
     time_outs_ = time_outs;
@@ -466,7 +468,7 @@ class MasterSimulation {
   Node node_{{.node_id = kSimulatedNode}, drive_};
   RandomMaster master_{drive_, random_};
   DriveTime now_{};
-  std::int64_t outstanding_ = 0;  ///< SDO requests without an answer
+  std::int64_t outstanding_ = 0;  ///< unanswered SDO requests
   std::uint64_t time_outs_ = 0;
   MasterReport report_;
 };
@@ -489,7 +491,7 @@ TEST(MasterSimulation, KeepsEveryInvariantAndAnswersEverySdoRequestInEverySeed) 
     sum.add(report);
   }
   if (alone != nullptr) return;
-  // Nothing of it is vacuous.
+  // The test is not vacuous: every kind of event has occurred.
   const std::uint64_t seeds = last - first + 1;
   EXPECT_GT(sum.requests, 100 * seeds);
   EXPECT_GT(sum.enabled_ticks, seeds);

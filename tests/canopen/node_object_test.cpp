@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The dictionary of a CANopen node: the rows of the core, the communication objects, the counts.
+// The object dictionary of a CANopen node: the rows of the core, the communication objects, and the
+// counts in sub-index 0.
 #include "node/node_object.hpp"
 
 #include "vdrive/axis_status.hpp"
@@ -83,7 +84,7 @@ TEST(NodeObjects, AreTheNodesWhereTheCoreHasNone) {
   }
 }
 
-// CiA 301: sub-index 0 of an array or a record has the highest sub-index, in UNSIGNED8.
+// CiA 301: sub-index 0 of an array or a record holds the highest sub-index as UNSIGNED8.
 TEST(NodeObjects, CountTheObjectsOfEachArrayAndRecord) {
   for (const auto objects : by_index(node_objects())) {
     const NodeObject& first = objects.front();
@@ -183,7 +184,7 @@ TEST(NodeObjects, AreFoundByTheirAddressOnly) {
   EXPECT_EQ(find_node_object({0xFFFF, 0xFF}), nullptr);
 }
 
-// Node guarding (100Ch, 100Dh) is absent, 1400h has no inhibit time, and dummies are no objects.
+// Node guarding (100Ch, 100Dh) is absent, 1400h has no inhibit time, and dummies are not objects.
 TEST(NodeObjects, AnswerAnUnknownIndexAndAnUnknownSubIndexDifferently) {
   EXPECT_EQ(check_node_address({0x1400, 1}), AbortCode::none);
   EXPECT_EQ(check_node_address({0x607D, 0}), AbortCode::none);
@@ -215,7 +216,8 @@ TEST(NodeObjects, MapWhatTheStatusHasToTransmitPdos) {
   EXPECT_EQ(dictionary_object(0x6064).mapping, PdoMapping::transmit);
 }
 
-// CiA 402 has 6079h and 6502h mapped into TPDOs; CiA 301 maps no identity (1000h, 1018h).
+// CiA 402 lets 6079h and 6502h be mapped into TPDOs; CiA 301 does not let the identity (1000h,
+// 1018h).
 TEST(NodeObjects, MapEveryReadOnlyObjectOfTheProfileToTransmitPdos) {
   for (const std::uint16_t index : Indices{0x6079, 0x6402, 0x6502, 0x5E11}) {
     EXPECT_EQ(dictionary_object(index).mapping, PdoMapping::transmit) << address_text({index, 0});
@@ -266,7 +268,7 @@ TEST(CommunicationObjects, HaveTheCobIdsOfThePredefinedConnectionSet) {
   EXPECT_EQ(default_at(0x1200, 2, kNode), 0x585);
 }
 
-// Index, sub-index, bits: 6040h and 6041h have 16, 6060h and 6061h 8, the others 32.
+// Index, sub-index, bits: 6040h and 6041h have 16 bits, 6060h and 6061h 8, the others 32.
 TEST(CommunicationObjects, MapTheDefaultsOfTheDeviceProfile) {
   EXPECT_THAT(default_mapping(0x1600), ElementsAre(0x60400010));
   EXPECT_THAT(default_mapping(0x1601), ElementsAre(0x60400010, 0x60600008));
@@ -316,7 +318,7 @@ TEST(CommunicationObjects, BeginWithoutHeartbeatSyncPeriodAndInhibitTime) {
   EXPECT_EQ(default_at(0x1029, 1), 0) << "pre-operational after a communication error";
 }
 
-// CiA 301: 1019h and 1800h:06 are at most 240, 1029h:01 is 0, 1 or 2.
+// CiA 301: the maximum of 1019h and 1800h:06 is 240; 1029h:01 is 0, 1 or 2.
 TEST(CommunicationObjects, HaveTheLimitsOfTheStandard) {
   EXPECT_EQ(dictionary_object(0x1019).upper_limit, 240);
   EXPECT_EQ(dictionary_object(0x1800, 6).upper_limit, 240);

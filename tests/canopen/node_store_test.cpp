@@ -23,7 +23,7 @@ using testing::UnorderedElementsAre;
 
 const Node::Parameters kSavedParameters{{{0x1017, 0}, 100}, {{0x1800, 5}, 1000}};
 
-/// A store that keeps what it reports.
+/// A store whose reports are recorded.
 struct KeptStore {
   explicit KeptStore(const std::filesystem::path& directory) : store(directory, "can0", reports) {}
 
@@ -132,7 +132,8 @@ TEST(ParametersOfANode, AreRefusedWithTheirLine) {
   EXPECT_THAT(problem_of("1017:00 64\n"), HasSubstr("its last line must be 'end 1'"));
   EXPECT_THAT(problem_of("1017:00 64\nend 2\n"), HasSubstr("line 2, 'end 2'"));
   EXPECT_THAT(problem_of("end 0\n1017:00 64\n"), HasSubstr("line 1, 'end 0'"));
-  // No such object; the drive's; constant; above its type; other forms.
+  // In order: no such object, an object of the drive, a constant, above its type, then other
+  // syntax.
   for (const std::string line :
        {"1234:00 00000001", "607A:00 00000001", "1200:01 00000601", "1017:00 00010000",
         "1017 00 00000064", "1017:00=00000064", "1017:00 ", "10170:0 00000064", "xxxx:00 00000064",

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// A node: NMT, SDO to its own objects and those of the drive, PDOs in each state, store and
-// restore. Node 1: SDO 601h and 581h, boot-up and heartbeat 701h, EMCY 081h, RPDO1 201h, TPDO1
+// A node: NMT, SDO access to its own objects and to those of the drive, PDOs in each state, store
+// and restore. Node 1: SDO 601h and 581h, boot-up and heartbeat 701h, EMCY 081h, RPDO1 201h, TPDO1
 // 181h.
 #include "node/node.hpp"
 
@@ -44,7 +44,7 @@ constexpr const char* kResetCommunication = "000#8201";
 constexpr const char* kSave = "601#2310100173617665";
 constexpr const char* kLoad = "601#231110016C6F6164";
 
-/// Node 1 behind its boot-up.
+/// Node 1 after its boot-up.
 struct NodeUnderTest {
   FakeHost host;
   Node node;
@@ -74,7 +74,7 @@ struct NodeUnderTest {
     return host.take();
   }
 
-  /// Answers the last access that the node has begun.
+  /// Answers the latest access that the node has begun.
   std::vector<std::string> answer(const DriveAnswer& answer) {
     node.complete(host.accesses.back().ticket, answer, now);
     return host.take();
@@ -410,7 +410,8 @@ TEST(Node, IgnoresSetPointsWhileAnotherSessionOwnsTheAxisAndCountsThem) {
   EXPECT_EQ(test.host.commands.size(), 1U);
 }
 
-// RPDO1 and RPDO2 of type 1; RPDO1 comes twice before SYNC, RPDO2 once: one of each would act.
+// RPDO1 and RPDO2 of type 1. RPDO1 is received twice before SYNC and RPDO2 once; SYNC would apply
+// one of each.
 TEST(Node, CountsEachSynchronousRpdoThatASyncWouldHaveLetAct) {
   NodeUnderTest test;
   test.receive("601#2F00140201000000");
@@ -429,7 +430,7 @@ TEST(Node, CountsEachSynchronousRpdoThatASyncWouldHaveLetAct) {
   EXPECT_THAT(test.host.commands, IsEmpty());
 }
 
-// 6041h = 0637h; without bit 9 (0200h) 0437h.
+// 6041h = 0637h; without bit 9 (0200h) it is 0437h.
 TEST(Node, ShowsRemoteAs0InPdosWhileAnotherSessionOwnsTheAxis) {
   NodeUnderTest test;
   test.drive.is_owned = false;
@@ -449,7 +450,7 @@ TEST(Node, SendsNoPdosOutsideOfOperational) {
   EXPECT_THAT(test.update(), IsEmpty());
 }
 
-// 8210h PDO not processed due to length error: generic and communication in 1001h.
+// 8210h, PDO not processed due to length error: generic and communication in 1001h.
 TEST(Node, SendsTheEmergencyOfAPdoThatIsTooShort) {
   NodeUnderTest test;
   test.receive(kStart);
@@ -457,16 +458,16 @@ TEST(Node, SendsTheEmergencyOfAPdoThatIsTooShort) {
   EXPECT_EQ(test.node.counters().dropped_pdos, 1U);
 }
 
-/// An error of the communication: what brings it about, and the frame that ends it.
+/// A communication error: its causes and the frame that ends it.
 struct CommunicationError {
-  const char* code;  ///< as it is in frames
+  const char* code;  ///< in the byte order of frames
   std::vector<const char*> causes;
   const char* cure;
 };
 
 class CommunicationErrors : public testing::TestWithParam<CommunicationError> {};
 
-// CiA 301, 7.2.7.1, 7.5.2.2 and 7.5.2.4. The drive itself has no error.
+// CiA 301, 7.2.7.1, 7.5.2.2 and 7.5.2.4. The drive itself reports no error.
 TEST_P(CommunicationErrors, LastUntilARightFrameComesAndAreIn1001hAnd1003h) {
   const CommunicationError& error = GetParam();
   const std::string code = error.code;
@@ -507,7 +508,7 @@ TEST_P(CommunicationErrors, EndWhereTheNodeHasNoPdos) {
   EXPECT_THAT(test.receive(kPreOperational), ElementsAre("081#0000003706000000"));
 }
 
-// 1400h:05 = 10 ms in the third one.
+// The third row writes 1400h:05 = 10 ms.
 INSTANTIATE_TEST_SUITE_P(
     Node, CommunicationErrors,
     testing::Values(CommunicationError{"1082", {"201#0F"}, "201#0600"},
@@ -941,8 +942,7 @@ TEST(VerifyConfiguration, IsZeroUntilItIsWritten) {
   EXPECT_EQ(test.node.value({0x1020, 2}), 0);
 }
 
-// A configuration tool writes the objects in the order of their indices, so that some come after
-// 1020h, and then saves all.
+// A configuration tool writes objects in ascending order, so some follow 1020h, and then saves all.
 TEST(VerifyConfiguration, IsSavedWithTheConfigurationThatItIsWrittenWith) {
   NodeUnderTest test;
   test.receive(kWriteDate);
@@ -961,7 +961,7 @@ TEST(VerifyConfiguration, IsZeroWhenAnotherConfigurationIsSavedWithoutIt) {
     NodeUnderTest test(Node::Parameters{{{0x1020, 1}, 10'000}});
     EXPECT_EQ(test.node.value({0x1020, 1}), 10'000);
     test.receive(change);
-    if (!test.host.accesses.empty()) test.answer({});  // 6081h: the drive has taken it
+    if (!test.host.accesses.empty()) test.answer({});  // 6081h: the drive accepts it
     EXPECT_EQ(test.node.value({0x1020, 1}), 10'000) << "it is that of the next power-up";
     test.receive(kSave);
     test.answer({});
@@ -1040,7 +1040,7 @@ TEST(NodeBusOff, IsOverWhenItIsReported) {
 
 // --- any frames ---
 
-/// Frames that mean something to node 1 more often than not, and requests of objects that exist.
+/// Mostly frames that concern node 1, and requests for objects that exist.
 rc::Gen<Frame> any_frame() {
   using Bytes = std::array<std::uint8_t, kMostData>;
   const auto id = rc::gen::weightedOneOf<std::uint32_t>(
@@ -1051,7 +1051,7 @@ rc::Gen<Frame> any_frame() {
        {1, rc::gen::inRange<std::uint32_t>(0, 0x800)}});
   const auto command = rc::gen::elementOf(std::vector<std::uint8_t>{
       0x40, 0x40, 0x22, 0x23, 0x2B, 0x2F, 0x20, 0x21, 0x00, 0x10, 0x01, 0x60, 0x70, 0xE0});
-  // Of all objects, whatever the size of the sequence is.
+  // Any object, independent of rapidcheck's size parameter.
   const auto place = rc::gen::resize(100, rc::gen::inRange<std::size_t>(0, node_objects().size()));
   return rc::gen::map(
       rc::gen::tuple(id, command, place, rc::gen::arbitrary<Bytes>(),
@@ -1063,7 +1063,7 @@ rc::Gen<Frame> any_frame() {
         frame.is_remote = kind == 0;
         frame.is_extended = kind == 1;
         if (kind < 10) frame.size = static_cast<std::uint8_t>(kind % 9);
-        // No block transfer, which has requests without a response, and responses of many frames.
+        // No block transfer: it has requests without a response and responses of several frames.
         if (frame.data[0] >> 5U == 5 || frame.data[0] >> 5U == 6) frame.data[0] = 0x40;
         if (kind < 30) return frame;
         frame.data[0] = std::get<1>(parts);
@@ -1108,8 +1108,8 @@ TEST(NodeProperty, EachCompleteSdoRequestOutsideOfStoppedGetsOneResponseAtOnce) 
   EXPECT_TRUE(holds);
 }
 
-// The drive answers late: some requests wait. NMT commands are left out, since what waits at a stop
-// or a reset is not answered.
+// The drive answers late, so some requests wait. NMT commands are left out, because requests that
+// wait at a stop or a reset are not answered.
 TEST(NodeProperty, EachCompleteSdoRequestGetsOneResponseWhenTheDriveAnswersLate) {
   set_up_rapidcheck();
   const bool holds = rc::check("as many responses as requests", [] {

@@ -14,14 +14,14 @@ namespace {
 constexpr bool kInvalidPdo = false;  // its mapping may be written
 constexpr bool kValidPdo = true;
 
-/// An RPDO mapping without objects.
+/// An empty RPDO mapping.
 MappingRecord empty_receive_mapping() {
   MappingRecord mapping(0x1600, PdoDirection::receive);
   EXPECT_EQ(mapping.write(0, 0, kInvalidPdo), AbortCode::none);
   return mapping;
 }
 
-/// A TPDO mapping without objects.
+/// An empty TPDO mapping.
 MappingRecord empty_transmit_mapping() {
   MappingRecord mapping(0x1A00, PdoDirection::transmit);
   EXPECT_EQ(mapping.write(0, 0, kInvalidPdo), AbortCode::none);
@@ -71,7 +71,7 @@ TEST(PdoMappingRecord, TakesEntriesWhenItsCountIsZero) {
   EXPECT_EQ(mapping.write(1, kMapTargetPosition, kInvalidPdo), AbortCode::none);
   EXPECT_EQ(mapping.write(2, kMapControlword, kInvalidPdo), AbortCode::none);
   EXPECT_EQ(mapping.write(3, kMapMode, kInvalidPdo), AbortCode::none);
-  EXPECT_EQ(mapping.size(), 0U);  // the count puts them in force
+  EXPECT_EQ(mapping.size(), 0U);  // the count activates the entries
   EXPECT_EQ(mapping.write(0, 3, kInvalidPdo), AbortCode::none);
   EXPECT_EQ(mapping.size(), 7U);  // 4 + 2 + 1
 }
@@ -113,7 +113,7 @@ TEST(PdoMappingRecord, RefusesAnObjectOfTheOtherDirectionWith06040041) {
   EXPECT_EQ(receive.write(1, kMapPosition, kInvalidPdo), AbortCode::cannot_be_mapped_to_pdo);
 }
 
-// CiA 301, 7.5.2.38: an object that may be read and written may be mapped both ways.
+// CiA 301, 7.5.2.38: an object that can be read and written can be mapped in both directions.
 TEST(PdoMappingRecord, TakesCommandsAndParametersInATpdo) {
   MappingRecord mapping = empty_transmit_mapping();
   EXPECT_EQ(mapping.write(1, kMapControlword, kInvalidPdo), AbortCode::none);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Any sequence of writes to the objects of the PDOs, against the rules of CiA 301 written down a
-// second time: what is in force is always permitted, and reads as it was accepted.
+// Random writes to the objects of the PDOs, checked against a second formulation of the rules of
+// CiA 301: the configuration in force is always permitted and reads back as accepted.
 #include "canopen/pdo_support.hpp"
 #include "node/pdos.hpp"
 #include "support/random_cases.hpp"
@@ -79,7 +79,7 @@ constexpr std::array kEntryValues{kMapControlword,
 constexpr std::array kNumberValues{0U,   1U,   2U,   3U,   4U,   8U,   9U,   64U,     65U,     240U,
                                    241U, 251U, 252U, 253U, 254U, 255U, 256U, 0xFFFFU, 0x10000U};
 
-/// Whether the object belongs to 1600h.. or 1A00h..
+/// @return whether the object belongs to 1600h.. or 1A00h..
 bool is_in_mapping(ObjectAddress object) {
   return object.index >= 0x1400 && (object.index & 0x0200U) != 0;
 }
@@ -103,8 +103,8 @@ bool is_valid_pdo(const Registers& registers, std::uint16_t parameters) {
   return (registers.at({parameters, 1}) & 0x80000000U) == 0;
 }
 
-/// Whether a record of a PDO and its mapping are as CiA 301 permits.
-/// @return what is wrong, or nothing.
+/// Checks a PDO and its mapping against CiA 301.
+/// @return the violation; empty if there is none.
 std::string wrong_in_pdo(const Registers& registers, std::uint16_t parameters) {
   const bool is_receive = parameters == 0x1400;
   const auto mapping = static_cast<std::uint16_t>(parameters + 0x200);
@@ -148,8 +148,8 @@ std::string wrong_in(const Registers& registers) {
   return {};
 }
 
-/// Whether an accepted write was one that CiA 301 permits in the state before.
-/// @return what is wrong, or nothing.
+/// Checks whether CiA 301 permits an accepted write in the state before it.
+/// @return the violation; empty if there is none.
 std::string wrong_write(const Registers& before, ObjectAddress object, std::uint32_t value) {
   const bool is_changed = before.at(object) != value;
   if (object.index == 0x1019 && is_changed && before.at({0x1006, 0}) != 0) return "1019h at 1006h";
@@ -170,7 +170,7 @@ std::string wrong_write(const Registers& before, ObjectAddress object, std::uint
   return {};
 }
 
-/// Position of the object, choice among its interesting values and the raw one, raw value.
+/// Index of the object, index into its interesting values or the raw value, raw value.
 using RandomWrite = std::tuple<std::size_t, std::size_t, std::uint32_t>;
 
 rc::Gen<std::vector<RandomWrite>> any_writes() {
@@ -180,8 +180,8 @@ rc::Gen<std::vector<RandomWrite>> any_writes() {
   return rc::gen::resize(200, rc::gen::container<std::vector<RandomWrite>>(any_write));
 }
 
-/// Writes, and compares what became of it with the rules.
-/// @return whether it was accepted.
+/// Writes a value and checks the outcome against the rules.
+/// @return whether the write was accepted.
 bool write_and_check(Pdos& pdos, Registers& registers, const RandomWrite& write) {
   const auto& [position, choice, raw] = write;
   const ObjectAddress object = kWrittenObjects.at(position);
@@ -203,7 +203,7 @@ bool write_and_check(Pdos& pdos, Registers& registers, const RandomWrite& write)
 TEST(AnyPdos, StayWithinTheStandardOverAnySequenceOfWrites) {
   const std::uint64_t cases = vdrive::test::case_count(1'000, 50'000);
   const std::string parameters = "seed=20240613 max_success=" + std::to_string(cases);
-  setenv("RC_PARAMS", parameters.c_str(), 0);  // rapidcheck's own variable wins
+  setenv("RC_PARAMS", parameters.c_str(), 0);  // a value from the environment takes precedence
   std::map<ObjectAddress, int> accepted;
   const bool holds = rc::check("records stay permitted, and read as accepted", [&accepted] {
     RecordingPdoHost host;

@@ -20,10 +20,10 @@
 
 namespace vdrive::canopen {
 
-/// The node that the tests of PDOs have.
+/// Node id in the PDO tests.
 inline constexpr std::uint8_t kPdoNode = 5;
 
-/// A host that keeps what the PDOs do to it.
+/// A host that records the actions of the PDOs.
 class RecordingPdoHost final : public PdoHost {
  public:
   void send(const Frame& frame) override {
@@ -57,7 +57,7 @@ inline Frame pdo_request(std::uint32_t id) {
   return {.id = id, .is_remote = true, .size = 2};
 }
 
-/// @return the data of a frame; nothing where there is no frame.
+/// @return the data of the frame; empty if there is none.
 inline std::vector<std::uint8_t> pdo_bytes(const std::optional<Frame>& frame) {
   if (!frame) return {};
   return {frame->bytes().begin(), frame->bytes().end()};
@@ -67,7 +67,7 @@ inline DriveValue drive_value(std::uint16_t index, std::int64_t value) {
   return {.object = {.index = index, .subindex = 0}, .value = value};
 }
 
-/// @return the entry of a mapping for an object with this length [bits].
+/// @return the mapping entry of an object of this length [bits].
 constexpr std::uint32_t map_entry(std::uint32_t index, std::uint32_t subindex, std::uint32_t bits) {
   return (index << 16U) | (subindex << 8U) | bits;
 }
@@ -92,7 +92,7 @@ inline AxisStatus pdo_status(std::uint16_t statusword, std::int32_t position = 0
   return status;
 }
 
-/// Takes the steps of CiA 301, 7.5.2.36: PDO not valid, count 0, entries, count, PDO valid.
+/// Follows CiA 301, 7.5.2.36: PDO not valid, count 0, entries, count, PDO valid.
 /// @param parameters index of the communication parameter
 template <typename Target>
 void remap_pdo(Target& target, std::uint16_t parameters,

@@ -21,12 +21,12 @@ using testing::SizeIs;
 
 const Frame kPlainSync = pdo_frame(0x80);
 
-/// PDOs in operation since 0, with what they do to their host.
+/// PDOs that have been operational since 0, and their recording host.
 class PdosTest : public testing::Test {
  protected:
   PdosTest() { restart(); }
 
-  /// The PDOs are in operation, and their host has nothing.
+  /// Starts the PDOs and clears the host's records.
   void restart(DriveTime now = 0ms) {
     pdos.start(pdo_status(0x0250), now);
     forget();
@@ -34,12 +34,12 @@ class PdosTest : public testing::Test {
 
   void forget() { host = {}; }
 
-  /// Writes without an error.
+  /// Writes an object and expects success.
   void set(ObjectAddress object, std::uint32_t value) {
     EXPECT_EQ(pdos.write(object, value), AbortCode::none) << object.index;
   }
 
-  /// All TPDOs but the first are switched off.
+  /// Switches off all TPDOs except the first.
   void keep_the_first_tpdo() {
     set({0x1801, 1}, kCobIdNotValid);
     set({0x1802, 1}, kCobIdNotValid);
@@ -92,12 +92,12 @@ TEST_F(PdosTest, SendChangesOfTheDrive) {
   pdos.update(pdo_status(0x0231), 20ms);
   EXPECT_THAT(sent_ids(), ElementsAre(0x185U, 0x285U, 0x385U, 0x485U));
   forget();
-  pdos.update(pdo_status(0x0231, 5), 40ms);  // 6064h is in TPDO 3 only
+  pdos.update(pdo_status(0x0231, 5), 40ms);  // 6064h is only in TPDO 3
   EXPECT_THAT(sent_ids(), ElementsAre(0x385U));
 }
 
 TEST_F(PdosTest, SendAtTheEndOfAnInhibitTime) {
-  pdos.update(pdo_status(0x0250, 5), 1ms);  // 10 ms since the start, by default
+  pdos.update(pdo_status(0x0250, 5), 1ms);  // the default inhibit time ends at 10 ms
   EXPECT_THAT(host.frames, IsEmpty());
   EXPECT_EQ(pdos.next_due(), DriveTime(10ms));
   pdos.advance(9ms);
@@ -225,7 +225,7 @@ TEST_F(PdosTest, DropAndCountSynchronousRpdosAfterTheWindow) {
   pdos.receive(kPlainSync, 10ms);
   pdos.receive(pdo_frame(0x205, {0x06, 0x00}), 12ms);
   pdos.receive(pdo_frame(0x205, {0x07, 0x00}), 13ms);        // 3 ms: too late
-  pdos.receive(pdo_frame(0x305, {0x0F, 0x00, 0x01}), 13ms);  // event-driven: has no window
+  pdos.receive(pdo_frame(0x305, {0x0F, 0x00, 0x01}), 13ms);  // event-driven: no window
   EXPECT_EQ(pdos.counters().dropped, 1U);
   EXPECT_THAT(host.commands, SizeIs(1));
   pdos.receive(kPlainSync, 20ms);
@@ -266,7 +266,7 @@ TEST_F(PdosTest, IgnoreExtendedFramesAndOtherIdentifiers) {
   extended.is_extended = true;
   EXPECT_FALSE(pdos.receive(extended, 1ms));
   EXPECT_FALSE(pdos.receive(pdo_frame(0x206, {0x06, 0x00}), 1ms));
-  EXPECT_FALSE(pdos.receive(pdo_frame(0x185, {0x06, 0x00}), 1ms));  // a TPDO of its own
+  EXPECT_FALSE(pdos.receive(pdo_frame(0x185, {0x06, 0x00}), 1ms));  // one of its own TPDOs
   EXPECT_FALSE(pdos.receive(pdo_frame(0x605, {0x40}), 1ms));
   EXPECT_THAT(host.commands, IsEmpty());
 }
@@ -364,7 +364,7 @@ TEST_F(PdosTest, SendATpdoThatBecomesValidInOperation) {
   set({0x1800, 1}, 0x80000185);
   EXPECT_FALSE(pdos.next_due());
   set({0x1800, 1}, 0x185);
-  EXPECT_EQ(pdos.next_due(), DriveTime::zero());  // at once
+  EXPECT_EQ(pdos.next_due(), DriveTime::zero());  // immediately
   pdos.advance(5ms);
   EXPECT_THAT(sent_ids(), ElementsAre(0x185U));
   EXPECT_FALSE(pdos.next_due());
@@ -377,7 +377,7 @@ TEST_F(PdosTest, PassAFrameToEachRpdoWithItsCanId) {
   ASSERT_THAT(host.commands, SizeIs(2));
   EXPECT_THAT(host.commands[0], ElementsAre(drive_value(0x6040, 6)));
   EXPECT_THAT(host.commands[1], ElementsAre(drive_value(0x6060, 1), drive_value(0x6040, 6)));
-  EXPECT_THAT(host.errors, ElementsAre(0x8220));  // the first has two bytes
+  EXPECT_THAT(host.errors, ElementsAre(0x8220));  // RPDO 1 has two bytes
 }
 
 TEST_F(PdosTest, CommandNothingByAnRpdoOfDummies) {

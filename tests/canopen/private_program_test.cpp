@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The program vdrive-canopen alone: it answers, and it serves a private bench. Its clients speak
-// socketcand. program_test has it with services over DDS.
+// The program vdrive-canopen on its own, with a private bench; its clients speak socketcand.
+// program_test runs it with services over DDS.
 #include "canopen/running_canopen.hpp"
 #include "support/process_tree.hpp"
 #include "support/temporary_directory.hpp"
@@ -49,7 +49,7 @@ TEST(PrivateCanopenProgram, ServesAPrivateBenchAndCountsAtItsEnd) {
 TEST(PrivateCanopenProgram, StepsAPrivateBenchBySync) {
   const RunningCanopen program("--private --axes 1 --sync-steps 1ms");
   SocketcandPeer peer(program.port());
-  peer.send_text("< send 601 8 2b 17 10 0 3 0 0 0 >");  // a heartbeat each 3 ms
+  peer.send_text("< send 601 8 2b 17 10 0 3 0 0 0 >");  // a heartbeat every 3 ms
   EXPECT_EQ(peer.next_data("581"), "6017100000000000");
   EXPECT_EQ(peer.next_data("701"), "7F") << "the first one at once";
   peer.send_text("< send 80 0 >< send 80 0 >< send 80 0 >< send 601 8 40 41 60 0 0 0 0 0 >");
@@ -57,7 +57,7 @@ TEST(PrivateCanopenProgram, StepsAPrivateBenchBySync) {
   EXPECT_THAT(peer.next_data("581"), StartsWith("4B416000"));
 }
 
-/// A client of the gateway of CiA 309-3.
+/// A client of the CiA 309-3 gateway.
 class GatewayPeer {
  public:
   explicit GatewayPeer(int port) : connection_(connected(port)) {
@@ -70,7 +70,7 @@ class GatewayPeer {
   GatewayPeer(const GatewayPeer&) = delete;
   GatewayPeer& operator=(const GatewayPeer&) = delete;
 
-  /// @return the answer to a command, without its number.
+  /// @return the answer to a command, without its sequence number.
   std::string ask(const std::string& command) {
     const std::string number = "[" + std::to_string(++last_) + "] ";
     const std::string line = number + command + "\n";
@@ -94,8 +94,8 @@ class GatewayPeer {
   std::string received_;
 };
 
-/// A script enables the axis over a bus that loses and delays frames, by SYNC and PDOs of the
-/// gateway alone.
+/// A script enables the axis over a bus that loses and delays frames, using only the SYNC and PDOs
+/// of the gateway.
 /// @return the log of the bus
 std::string log_of_a_disturbed_run(const std::filesystem::path& file) {
   RunningCanopen program(std::vector<std::string>{
@@ -122,8 +122,8 @@ std::string log_of_a_disturbed_run(const std::filesystem::path& file) {
   return text_of(file);
 }
 
-// 8140h after bus-off, and 8130h as the reaction of the enabled drive to it. The hundredth of the
-// SYNCs comes after the six of the enabling words and the 99 before it: at 105 ms of drive time.
+// 8140h after bus-off, and 8130h as the enabled drive's reaction to it. The last of the 100 SYNCs
+// follows the six of the enabling words and 99 others: it is sent at 105 ms of drive time.
 TEST(PrivateCanopenProgram, LogsTheSameFramesInEachDisturbedRun) {
   const TemporaryDirectory directory;
   const std::string log = log_of_a_disturbed_run(directory.path() / "first.log");
@@ -150,7 +150,7 @@ TEST(PrivateCanopenProgram, RefusesAFaultThatItCannotMake) {
   EXPECT_THAT(refused.errors, HasSubstr("a fault names node 3, but the bus has 2 nodes (1 to 2)"));
 }
 
-// 1017h of node 1: none of its frames passes, from the start on and by a command.
+// 1017h of node 1: no frame of the node gets through, neither from the start nor after a command.
 TEST(PrivateCanopenProgram, DisturbsABusInRealTime) {
   const RunningCanopen program(std::vector<std::string>{
       "--private", "--axes", "2", "--gateway", "127.0.0.1:0", "--disturb", "1 lost for 1000s"});
@@ -172,8 +172,8 @@ TEST(PrivateCanopenProgram, FailsAtItsEndWhenItsLogIsNotWhole) {
   EXPECT_THAT(ended.errors, HasSubstr("log '/dev/full' cannot be written: No space left"));
 }
 
-// CiA 301, 7.2.4.3.9: 1008h, "vdrive", by blocks. The block has one segment, of whose 7 bytes one
-// is unused: n = 1 in bits 2 to 4 of C1h.
+// CiA 301, 7.2.4.3.9: block upload of 1008h, "vdrive". The block has one segment with one unused
+// byte of 7: n = 1 in bits 2 to 4 of C1h.
 TEST(PrivateCanopenProgram, SendsATextByBlocks) {
   const RunningCanopen program("--private --axes 1");
   SocketcandPeer peer(program.port());

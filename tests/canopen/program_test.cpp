@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The program vdrive-canopen with services over DDS. Its clients speak socketcand.
-// private_program_test has it alone.
+// The program vdrive-canopen with services over DDS; its clients speak socketcand.
+// private_program_test runs it on its own.
 #include "canopen/running_canopen.hpp"
 #include "client/session_options.hpp"
 #include "support/deadline.hpp"
@@ -29,7 +29,7 @@ namespace {
 using testing::HasSubstr;
 using testing::StartsWith;
 
-/// @return a port of this host that is free now.
+/// @return a TCP port of this host that is free at the moment.
 int free_port() {
   const int listener = socket(AF_INET, SOCK_STREAM, 0);
   sockaddr_in address{};
@@ -46,7 +46,7 @@ int free_port() {
   return ntohs(address.sin_port);
 }
 
-/// @return the value of a counter of the service, such as "vdrive_ticks_total".
+/// @return a counter of the service, such as "vdrive_ticks_total".
 double metric(int port, const std::string& name) {
   const std::string text = http_get(port, "/metrics");
   const std::size_t line = text.find("\n" + name + "{");
@@ -54,15 +54,15 @@ double metric(int port, const std::string& name) {
   return std::stod(text.substr(text.find("} ", line) + 2));
 }
 
-/// What the masters of a flood send: of eight frames one SDO request that the drive answers, one
-/// that nobody knows, RPDOs that are right, too short and for nobody, SYNC, heartbeats, and a frame
-/// of the extended format; beside them now and then a word that is malformed.
+/// The frames of a flood. Of every eight: one SDO request that the drive answers, one with an
+/// unknown command, a correct RPDO, an RPDO that is too short, one that no node listens to, a SYNC,
+/// a heartbeat, and a frame in the extended format. Malformed words are mixed in now and then.
 class Flood {
  public:
   static constexpr unsigned kFrames = 50'000;
   static constexpr unsigned kNodes = 3;
 
-  /// @return how many SDO requests the node gets in all frames.
+  /// @return the number of SDO requests to this node among all frames.
   static unsigned requests_of(unsigned node) {
     unsigned count = 0;
     for (unsigned i = 0; i < kFrames; ++i) {
@@ -71,7 +71,7 @@ class Flood {
     return count;
   }
 
-  /// @return frames `begin` to `end`, without the last one.
+  /// @return frames `begin` to `end`, excluding `end`.
   static std::string words(unsigned begin, unsigned end) {
     std::string text;
     for (unsigned i = begin; i < end; ++i) {
@@ -107,8 +107,9 @@ class Flood {
   }
 };
 
-/// Counts the SDO answers of each node until all have come.
-/// @return those that are neither the value of 6041h nor an abort; none when some did not come.
+/// Counts the SDO answers of each node until all have arrived.
+/// @return those that are neither the value of 6041h nor an abort; std::nullopt if some are
+///   missing.
 std::optional<std::vector<std::string>> take_answers(SocketcandPeer& peer) {
   const auto deadline = std::chrono::steady_clock::now() + kProgramPatience;
   std::vector<std::string> wrong;
@@ -159,9 +160,10 @@ TEST(CanopenProgram, ServesABenchOfTheNetworkWhileItIsThere) {
   EXPECT_EQ(peer.next_data("70C"), "00") << "boot-up with the next run of the bench";
 }
 
-// 50,000 frames in a second, 500 each 10 ms: the rate is what is tested. 6041h is read 6,250 times;
-// an abort answers what is no request, and what does not fit into the 16 requests that wait. With
-// the emergency of each node the masters get some 12,600 frames, fewer than may wait for them.
+// 50,000 frames in a second, 500 every 10 ms: the rate is under test. 6041h is read 6,250 times;
+// requests with an unknown command, and those beyond the 16 that may wait, are answered by an
+// abort. With the emergency of each node the masters receive some 12,600 frames, fewer than may
+// wait for them.
 TEST(CanopenFlood, CostsNoTickAndLeavesNoSdoRequestUnanswered) {
   RunningCanopen program(on_domain("--bench 1"));
   const int metrics = free_port();
@@ -194,8 +196,8 @@ TEST(CanopenFlood, CostsNoTickAndLeavesNoSdoRequestUnanswered) {
   }
   ASSERT_TRUE(wrong) << "requests without an answer";
   EXPECT_THAT(*wrong, testing::IsEmpty());
-  // Other programs of the machine make ticks late, too: how many were is measured, not judged. A
-  // bench that is 100 ticks behind skips some.
+  // Other programs on the machine delay ticks, too, so late ticks are recorded but not judged. Only
+  // a bench that is 100 ticks late skips some.
   RecordProperty("ticks", std::to_string(ticks));
   RecordProperty("overruns", std::to_string(late));
   EXPECT_EQ(skipped, 0) << "ticks that were not run";

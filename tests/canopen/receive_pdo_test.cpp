@@ -17,7 +17,7 @@ using namespace std::chrono_literals;
 using testing::ElementsAre;
 using testing::IsEmpty;
 
-/// The first RPDO of the node with these objects.
+/// The first RPDO of the node with these mapped objects.
 ReceivePdo receive_pdo_with(const std::vector<std::uint32_t>& entries) {
   ReceivePdo pdo(pdo_place(1));
   remap_pdo(pdo, 0x1400, entries);
@@ -35,7 +35,7 @@ std::vector<DriveValue> taken_from(ReceivePdo& pdo) {
   return listed(set_points);
 }
 
-/// @return the values that `pdo` takes out of a frame with these bytes.
+/// @return the values that `pdo` extracts from these bytes.
 std::vector<DriveValue> received_values(ReceivePdo& pdo, const std::vector<std::uint8_t>& bytes) {
   EXPECT_FALSE(pdo.receive(pdo_frame(0x205, bytes), 0ms).is_dropped);
   return taken_from(pdo);
@@ -75,7 +75,7 @@ TEST(ReceivePdo, IsSwitchedOffWithAnyCanId) {
 TEST(ReceivePdo, RefusesRestrictedCanIdsWith06090030) {
   ReceivePdo pdo(pdo_place(1));
   EXPECT_EQ(pdo.write({0x1400, 1}, kCobIdNotValid), AbortCode::none);
-  // the ends of each row of CiA 301, table "Restricted CAN-IDs"
+  // The bounds of each row of CiA 301, table "Restricted CAN-IDs"
   for (const std::uint32_t can_id : {0x000U, 0x001U, 0x07FU, 0x101U, 0x180U, 0x581U, 0x5FFU, 0x601U,
                                      0x67FU, 0x6E0U, 0x6FFU, 0x701U, 0x77FU, 0x780U, 0x7FFU}) {
     EXPECT_EQ(pdo.write({0x1400, 1}, can_id), AbortCode::value_range_exceeded) << can_id;
@@ -205,7 +205,7 @@ TEST(ReceivePdo, GivesTheFrameThatCameLastOnce) {
 TEST(ReceivePdo, TimesOutOnceWhenItsEventTimerHasElapsed) {
   ReceivePdo pdo = receive_pdo_with({kMapControlword});
   EXPECT_EQ(pdo.write({0x1400, 5}, 50), AbortCode::none);
-  EXPECT_FALSE(pdo.next_due());  // it begins with the first frame
+  EXPECT_FALSE(pdo.next_due());  // starts with the first frame
   EXPECT_FALSE(pdo.times_out(1s));
   pdo.receive(pdo_frame(0x205, {0x06, 0x00}), 1'010ms);
   EXPECT_EQ(pdo.next_due(), DriveTime(1'060ms));
@@ -262,7 +262,7 @@ TEST(ReceivePdo, ForgetsItsFrameWithAnotherTransmissionType) {
   ReceivePdo pdo(pdo_place(1));
   EXPECT_EQ(pdo.write({0x1400, 2}, 1), AbortCode::none);
   pdo.receive(pdo_frame(0x205, {0x06, 0x00}), 0ms);
-  EXPECT_EQ(pdo.write({0x1400, 2}, 1), AbortCode::none);  // the same one
+  EXPECT_EQ(pdo.write({0x1400, 2}, 1), AbortCode::none);  // unchanged
   EXPECT_EQ(pdo.write({0x1400, 2}, 255), AbortCode::none);
   EXPECT_THAT(taken_from(pdo), IsEmpty());
 }

@@ -16,7 +16,7 @@ namespace vdrive::canopen {
 
 using Frames = std::vector<Frame>;
 
-/// A port of a bus that keeps what it gets.
+/// A port that records the frames it receives.
 class RecordedPort final : public Port {
  public:
   explicit RecordedPort(Bus& bus) : bus_(bus) { bus_.attach(*this); }
@@ -36,7 +36,7 @@ class RecordedPort final : public Port {
   Bus& bus_;
 };
 
-/// A host of a bus that keeps what it is told. The nodes 1 to 3 can be disturbed.
+/// A bus host that records its calls. Nodes 1 to 3 can be disturbed.
 struct RecordedHost final : BusHost {
   void report(bridge::Severity /*severity*/, const std::string& /*port*/,
               const std::string& text) override {

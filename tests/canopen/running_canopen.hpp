@@ -32,13 +32,13 @@ inline std::vector<std::string> words_of(const std::string& text) {
   return words;
 }
 
-/// vdrive-canopen of this build, with a socketcand server on a free port.
+/// A running vdrive-canopen of this build, with a socketcand server on a free port.
 class RunningCanopen {
  public:
   explicit RunningCanopen(const std::string& words)
       : RunningCanopen(words_of(words + " --socketcand 127.0.0.1:0")) {}
 
-  /// @param arguments one of which may have blanks
+  /// @param arguments may contain blanks
   explicit RunningCanopen(const std::vector<std::string>& arguments)
       : process_(VDRIVE_CANOPEN, arguments), line_(process_.read_line()) {
     if (!line_.starts_with("vdrive-canopen: bus 1: ")) {
@@ -77,7 +77,7 @@ class RunningCanopen {
   bool has_ended_ = false;
 };
 
-/// A client of the socketcand protocol in raw mode.
+/// A socketcand client in raw mode.
 class SocketcandPeer {
  public:
   explicit SocketcandPeer(int port) : connection_(connected(port)) {
@@ -99,16 +99,17 @@ class SocketcandPeer {
     (void)send(connection_, text.data(), text.size(), MSG_NOSIGNAL);
   }
 
-  /// Sends all of it, however long that takes. Beside a thread that reads.
+  /// Sends all of `text`, blocking as long as necessary, while another thread may read.
   void send_all(std::string_view text) const {
     while (!text.empty()) {
       const ssize_t sent = send(connection_, text.data(), text.size(), MSG_NOSIGNAL);
-      if (sent <= 0) return;  // the reader misses what did not go
+      if (sent <= 0) return;  // the reader notices that the rest is missing
       text.remove_prefix(static_cast<std::size_t>(sent));
     }
   }
 
-  /// @return what came up to and with `text`; throws at the end of the connection and after 60 s.
+  /// @return everything received up to and including `text`.
+  /// @throws when the connection ends, and after 60 s.
   std::string read_until(const std::string& text) {
     while (received_.find(text) == std::string::npos) {
       std::array<char, 4096> part{};
@@ -133,7 +134,8 @@ class SocketcandPeer {
     return words_of(data).front();
   }
 
-  /// Reads an object of 4 bytes or less. @return the data of the answer.
+  /// Reads an object of up to 4 bytes.
+  /// @return the data of the answer.
   std::string upload(int node, const std::string& index_and_subindex) {
     send_text("< send " + std::to_string(600 + node) + " 8 40 " + index_and_subindex +
               " 0 0 0 0 >");

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// SDO block transfer: bytes of CiA 301, 7.2.4.3.9 to 7.2.4.3.16. Node 1: requests 601h, responses
-// 581h.
+// SDO block transfer (CiA 301, 7.2.4.3.9 to 7.2.4.3.16), byte by byte. Node 1: requests 601h,
+// responses 581h.
 #include "node/sdo_block.hpp"
 
 #include "canopen/served_sdo.hpp"
@@ -26,7 +26,7 @@ using testing::ElementsAre;
 using testing::IsEmpty;
 using testing::SizeIs;
 
-constexpr std::uint16_t kDriveNumber = 0x2001;  // of 4 bytes, answered later
+constexpr std::uint16_t kDriveNumber = 0x2001;  // 4 bytes, answered later
 constexpr std::uint16_t kText = 0x2002;         // `text`
 
 class BlockObjects final : public SdoObjects {
@@ -60,8 +60,8 @@ TEST(SdoCrc, IsThatOfItsCheckValue) {
   EXPECT_EQ(sdo_crc(""), 0);
 }
 
-// Ten bytes: a segment of seven and one of three, so that 4 bytes of it are unused (n = 4 in bits 2
-// to 4: C1h + 10h).
+// Ten bytes: a segment of seven and one of three with 4 unused bytes (n = 4 in bits 2 to 4: C1h +
+// 10h).
 TEST(SdoBlockUpload, SendsItsSegmentsThenTheCrc) {
   SdoBlocks sdo;
   sdo.objects.text = "abcdefghij";
@@ -103,8 +103,8 @@ TEST(SdoBlockUpload, BeginsWhenTheDriveHasAnswered) {
   EXPECT_THAT(sdo.request("A3"), ElementsAre("581#8105060000000000"));
 }
 
-// 21 bytes in blocks of two segments. Of the first block the second segment is lost: it comes with
-// the next block, which the client wants to have three segments.
+// 21 bytes in blocks of two segments. The second segment of the first block is lost and repeated in
+// the next block, for which the client asks for three segments.
 TEST(SdoBlockUpload, SendsOnceMoreWhatTheClientHasNotReceived) {
   SdoBlocks sdo;
   sdo.objects.text = "abcdefghijklmnopqrstu";
@@ -163,7 +163,7 @@ TEST(SdoBlockUpload, IsAbortedWhenTheClientDoesNotContinueForASecond) {
   EXPECT_EQ(sdo.server.counters().time_outs, 1U);
 }
 
-// The end has n = 3 unused bytes of the only segment: C1h + 0Ch.
+// n = 3 unused bytes in the only segment: C1h + 0Ch.
 TEST(SdoBlockDownload, WritesWhatCameWhenTheCrcIsRight) {
   SdoBlocks sdo;
   const std::string crc = hex_digits(sdo_crc("\x01\x02\x03\x04"), 4);
@@ -220,7 +220,7 @@ TEST(SdoBlockDownload, AsksForASegmentThatIsMissing) {
   EXPECT_THAT(sdo.request("81 01 02 03 04"), ElementsAre("581#A2017F0000000000"));
 }
 
-// A segment of number 1 to 31 that is the last one looks like an abort by its three highest bits.
+// The three highest bits of a last segment with a number from 1 to 31 are those of an abort.
 TEST(SdoBlockDownload, TakesEveryFrameOfABlockButAnAbortForASegment) {
   SdoBlocks sdo;
   sdo.request("C6 00 20 00 04");
@@ -234,7 +234,7 @@ TEST(SdoBlockDownload, ToAReadOnlyObjectIsRefused) {
   EXPECT_THAT(sdo.request("C6 02 20 00 04"), ElementsAre("581#8002200002000106"));
 }
 
-// Whatever segments the client misses: a transfer that gets through has the right bytes.
+// Whichever segments the client misses: a completed transfer has delivered the right bytes.
 TEST(SdoBlockUpload, BringsEveryTextWholeOverAnyBus) {
   test::Random random(309);
   const auto any_block_size = [&random] {

@@ -23,14 +23,14 @@ using Bytes = std::vector<std::uint8_t>;
 constexpr ObjectAddress kStatusword{.index = 0x6041, .subindex = 0};
 constexpr std::chrono::milliseconds kTimeOut{500};
 
-/// A client of node 5, and what it has sent.
+/// A client of node 5, and the frames it has sent.
 struct RecordedClient final : FrameSender {
   void send(const Frame& frame) override { sent.push_back(frame); }
 
-  /// @return the frame that was sent last.
+  /// @return the latest frame sent.
   [[nodiscard]] Frame last() const { return sent.empty() ? Frame{} : sent.back(); }
 
-  /// Gives it a frame of its node.
+  /// Delivers a frame of node 5.
   void answer(std::initializer_list<std::uint8_t> bytes) {
     client.receive(data_frame(0x585, bytes), now);
   }
@@ -63,7 +63,7 @@ TEST(SdoClient, ReadsAValueOf2BytesExpedited) {
   recorded.client.read(kStatusword, kTimeOut, recorded.now);
   EXPECT_EQ(recorded.sent, Frames{data_frame(0x605, {0x40, 0x41, 0x60, 0, 0, 0, 0, 0})});
   EXPECT_EQ(recorded.client.take_outcome(), std::nullopt);
-  // 4Bh: expedited, 2 of 4 bytes are unused.
+  // 4Bh: expedited, 2 of 4 bytes unused.
   recorded.answer({0x4B, 0x41, 0x60, 0x00, 0x50, 0x02, 0, 0});
   EXPECT_EQ(recorded.client.take_outcome(), value_of({0x50, 0x02}));
   EXPECT_EQ(recorded.client.take_outcome(), std::nullopt) << "an outcome is taken once";
@@ -77,7 +77,7 @@ struct ExpeditedRow {
 TEST(SdoClient, ReadsAsManyBytesAsTheAnswerHas) {
   for (const ExpeditedRow& row : {ExpeditedRow{0x4F, {1}}, ExpeditedRow{0x4B, {1, 2}},
                                   ExpeditedRow{0x47, {1, 2, 3}}, ExpeditedRow{0x43, {1, 2, 3, 4}},
-                                  // Without a size all of them are the value.
+                                  // Without an indicated size, all 4 bytes are the value.
                                   ExpeditedRow{0x42, {1, 2, 3, 4}}}) {
     RecordedClient recorded;
     recorded.client.read(kStatusword, kTimeOut, recorded.now);
@@ -93,7 +93,7 @@ TEST(SdoClient, ReadsATextInSegments) {
   EXPECT_EQ(recorded.last(), data_frame(0x605, {0x60, 0, 0, 0, 0, 0, 0, 0}));
   recorded.answer({0x00, 'v', 'i', 'r', 't', 'u', 'a', 'l'});
   EXPECT_EQ(recorded.last(), data_frame(0x605, {0x70, 0, 0, 0, 0, 0, 0, 0}));
-  // 19h: toggle, 4 of 7 bytes are unused, last.
+  // 19h: toggle, 4 of 7 bytes unused, last.
   recorded.answer({0x19, 'd', 'r', 'v', 0, 0, 0, 0});
   EXPECT_EQ(recorded.client.take_outcome(),
             value_of({'v', 'i', 'r', 't', 'u', 'a', 'l', 'd', 'r', 'v'}));
@@ -175,7 +175,7 @@ TEST(SdoClient, WritesLongerValuesInSegments) {
   recorded.answer({0x60, 0x41, 0x60, 0x00, 0, 0, 0, 0});
   EXPECT_EQ(recorded.last(), data_frame(0x605, {0x00, 1, 2, 3, 4, 5, 6, 7}));
   recorded.answer({0x20, 0, 0, 0, 0, 0, 0, 0});
-  // 1Bh: toggle, 5 of 7 bytes are unused, last.
+  // 1Bh: toggle, 5 of 7 bytes unused, last.
   EXPECT_EQ(recorded.last(), data_frame(0x605, {0x1B, 8, 9, 0, 0, 0, 0, 0}));
   recorded.answer({0x30, 0, 0, 0, 0, 0, 0, 0});
   EXPECT_EQ(recorded.client.take_outcome(), value_of({}));
@@ -210,7 +210,7 @@ TEST(SdoClient, AbortsAWrongToggleBitOfAWrittenSegment) {
   EXPECT_EQ(recorded.client.take_outcome(), abort_of(AbortCode::toggle_bit_not_alternated));
 }
 
-// ---- ends
+// ---- the end of a transfer
 
 TEST(SdoClient, EndsWithTheAbortOfTheNode) {
   RecordedClient recorded;
@@ -262,14 +262,14 @@ TEST(SdoClient, TellsTheNodeWhenATransferIsCancelled) {
 TEST(SdoClient, AbortsAnAnswerOfTheWrongKind) {
   RecordedClient recorded;
   recorded.client.read(kStatusword, kTimeOut, recorded.now);
-  recorded.answer({0x60, 0x41, 0x60, 0x00, 0, 0, 0, 0});  // as if it had been written
+  recorded.answer({0x60, 0x41, 0x60, 0x00, 0, 0, 0, 0});  // the answer to a download
   EXPECT_EQ(recorded.last(), abort_frame(AbortCode::unknown_command_specifier));
   EXPECT_EQ(recorded.client.take_outcome(), abort_of(AbortCode::unknown_command_specifier));
 }
 
 TEST(SdoClient, IgnoresWhatBelongsToAnotherTransfer) {
   RecordedClient recorded;
-  recorded.answer({0x4B, 0x41, 0x60, 0x00, 1, 2, 0, 0});  // no transfer is under way
+  recorded.answer({0x4B, 0x41, 0x60, 0x00, 1, 2, 0, 0});  // no transfer is in progress
   EXPECT_EQ(recorded.client.take_outcome(), std::nullopt);
   recorded.client.read(kStatusword, kTimeOut, recorded.now);
   recorded.answer({0x4B, 0x40, 0x60, 0x00, 1, 2, 0, 0});              // another index

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The SDO server by itself: bytes of CiA 301, 7.2.4.3. Node 1: requests 601h, responses 581h.
+// Unit tests of the SDO server (CiA 301, 7.2.4.3), byte by byte. Node 1: requests 601h, responses
+// 581h.
 #include "node/sdo_server.hpp"
 
 #include "canopen/served_sdo.hpp"
@@ -31,7 +32,7 @@ constexpr std::uint16_t kNumbers = 0x2000;       // sub-index = size [bytes]
 constexpr std::uint16_t kDriveNumbers = 0x2001;  // likewise, answered later
 constexpr std::uint16_t kTexts = 0x2002;         // sub-index = length
 
-/// Objects whose sub-index is their size. Numbers read 11h, 22h, 33h, 44h; texts "abcdef...".
+/// Objects whose sub-index is their size. Numbers read as 11h, 22h, 33h, 44h; texts as "abcdef...".
 class FakeObjects final : public SdoObjects {
  public:
   struct Download {
@@ -89,8 +90,8 @@ class FakeObjects final : public SdoObjects {
   }
 
   std::vector<Download> downloads;
-  AbortCode refusal = AbortCode::none;  ///< of downloads that are answered at once
-  int begun = 0;                        ///< accesses that wait for SdoServer::finish()
+  AbortCode refusal = AbortCode::none;  ///< abort code of downloads that are answered immediately
+  int begun = 0;                        ///< accesses waiting for SdoServer::finish()
 };
 
 using SdoServerUnderTest = ServedSdo<FakeObjects>;
@@ -98,7 +99,7 @@ using SdoServerUnderTest = ServedSdo<FakeObjects>;
 struct SizeRow {
   const char* name;
   const char* upload;
-  const char* response;  // command: 43h and four times the unused bytes
+  const char* response;  // command: 43h plus four times the number of unused bytes
   const char* download;
   std::vector<std::uint8_t> data;
 };
@@ -156,8 +157,8 @@ TEST(SdoServer, PassesOnTheRefusalOfAValue) {
   EXPECT_THAT(sdo.request("2F 00 20 01 FF"), ElementsAre("581#8000200131000906"));
 }
 
-// 41h: size indicated, not expedited. Then 7 bytes a segment; the last one has bit 0, and in bits 1
-// to 3 how many bytes are unused: "hijkl" leaves 2, so 10h | 2 << 1 | 1 = 15h.
+// 41h: size indicated, not expedited. Then 7 bytes per segment. The last segment has bit 0 set, and
+// its number of unused bytes in bits 1 to 3: "hijkl" leaves 2, so 10h | 2 << 1 | 1 = 15h.
 TEST(SdoServer, UploadsATextBySegmentsWithAlternatingToggle) {
   SdoServerUnderTest sdo;
   EXPECT_THAT(sdo.request("40 02 20 0C"), ElementsAre("581#4102200C0C000000"));
@@ -216,7 +217,7 @@ TEST(SdoServer, RefusesAnExpeditedDownloadThatIsTooShortWith06070013) {
   EXPECT_THAT(sdo.objects.downloads, IsEmpty());
 }
 
-// 7 - 4 bytes are unused: 3 << 1 | 1 = 07h.
+// 7 - 4 bytes unused: 3 << 1 | 1 = 07h.
 TEST(SdoServer, TakesADownloadOfOneSegment) {
   SdoServerUnderTest sdo;
   EXPECT_THAT(sdo.request("21 00 20 04 04"), ElementsAre("581#6000200400000000"));
@@ -315,7 +316,8 @@ TEST_P(UnknownCommand, IsAnsweredWithAbort05040001) {
   EXPECT_EQ(sdo.server.counters().aborts, 1U);
 }
 
-// Of a block transfer that was not begun; only an initiate request names an object.
+// Commands of a block transfer that was not begun. The answer names no object, because only an
+// initiate request contains one.
 INSTANTIATE_TEST_SUITE_P(
     Each, UnknownCommand,
     testing::Values(UnknownRow{"BlockUploadStart", "A3", "581#8000000001000405"},
@@ -490,8 +492,8 @@ TEST(SdoServer, AnswersEveryFirstByteButAnAbortOnce) {
   }
 }
 
-/// A request without an abort by the client, and none of block transfer, of an object that exists
-/// more often than not; or the answer of the drive to the access under way, if there is one.
+/// Either a request, usually for an existing object and never an abort or part of a block transfer;
+/// or the drive's answer to the access in progress, if there is one.
 struct SdoEvent {
   bool is_answer = false;
   std::array<std::uint8_t, kMostData> request{};
@@ -509,7 +511,7 @@ rc::Gen<std::array<std::uint8_t, kMostData>> any_sdo_request() {
                      rc::gen::inRange<std::uint8_t>(1, 5), rc::gen::arbitrary<bool>()),
       [](const auto& parts) {
         auto [bytes, index, subindex, is_segment] = parts;
-        // Block transfer, too: a block has one answer, and several frames may be one.
+        // No abort, and no block transfer: a block has one answer, which may be several frames.
         if (bytes[0] >> 5U >= 4 && bytes[0] >> 5U <= 6) bytes[0] = 0x40;
         if (is_segment) return bytes;
         bytes[1] = static_cast<std::uint8_t>(index & 0xFFU);

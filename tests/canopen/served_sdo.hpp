@@ -13,7 +13,7 @@
 
 namespace vdrive::canopen {
 
-/// The SDO server of node 1 and its client.
+/// The SDO server of node 1 and a client of it.
 template <typename Objects>
 struct ServedSdo {
   static constexpr std::uint8_t kNode = 1;
@@ -23,7 +23,7 @@ struct ServedSdo {
   SdoServer server{kNode, host, objects};
   DriveTime now{};
 
-  /// @param data such as "40 00 20 02", filled up with zeros
+  /// @param data such as "40 00 20 02", padded with zeros
   std::vector<std::string> request(std::string_view data) {
     std::string text = "601#";
     std::ranges::copy_if(data, std::back_inserter(text), [](char c) {

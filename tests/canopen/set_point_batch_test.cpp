@@ -20,7 +20,7 @@ constexpr ObjectAddress kSpeed{0x6081, 0};
 
 using Values = std::vector<DriveValue>;
 
-/// The values of a set-point as "index=value" with the controlword last.
+/// The values of a set-point as (index, value), the controlword last.
 std::vector<std::pair<int, std::int64_t>> content_of(const client::SetPoint& point) {
   std::vector<std::pair<int, std::int64_t>> content;
   for (const client::ObjectValue& value : point.objects) {
@@ -59,7 +59,7 @@ TEST(SetPointBatch, AddsWhatComesBeforeTheControlwordToTheSameFrame) {
   EXPECT_EQ(content_of(frames[0].axes[0]), (Content{{0x6081, 5}, {0x607A, 10}, {0x6040, 0x1F}}));
 }
 
-// The word would act before the target that came behind it.
+// Within one frame, the controlword would act on a target that was added after it.
 TEST(SetPointBatch, LetsNothingOvertakeAControlword) {
   SetPointBatch batch;
   batch.add(1, Values{{kTarget, 10}, {kWord, 0x1F}});
@@ -72,7 +72,7 @@ TEST(SetPointBatch, LetsNothingOvertakeAControlword) {
   EXPECT_EQ(content_of(frames[1].axes[0]), (Content{{0x607A, 20}}));
 }
 
-// The power state machine runs once for every word.
+// Every controlword runs the power state machine once.
 TEST(SetPointBatch, KeepsEveryControlwordInItsOrder) {
   SetPointBatch batch;
   for (const std::int64_t word : {0x06, 0x07, 0x0F}) batch.add(1, Values{{kWord, word}});
@@ -83,7 +83,7 @@ TEST(SetPointBatch, KeepsEveryControlwordInItsOrder) {
   EXPECT_EQ(frames[2].axes[0].controlword, 0x0F);
 }
 
-// A frame takes 8 further objects of an axis.
+// A frame holds 8 further objects per axis.
 TEST(SetPointBatch, DividesMoreObjectsThanAFrameTakes) {
   SetPointBatch batch;
   Values values;

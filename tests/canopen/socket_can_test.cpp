@@ -40,7 +40,7 @@ TEST(CanFrame, MarksTheExtendedFormatInTheHighestBit) {
   Frame frame = data_frame(0x1FFFFFFF, {});
   frame.is_extended = true;
   EXPECT_EQ(to_can_frame(frame).can_id, 0x9FFFFFFFU);
-  // The same number in the base format is another identifier.
+  // In the base format, the same number is a different identifier.
   frame.id = 0x81;
   EXPECT_EQ(to_can_frame(frame).can_id, 0x80000081U);
   EXPECT_EQ(from_can_frame(to_can_frame(frame)), frame);
@@ -64,7 +64,7 @@ TEST(CanFrame, HasNoBytesOfARemoteFrame) {
 
 TEST(CanFrame, IgnoresErrorMessagesOfTheController) {
   can_frame frame{};
-  frame.can_id = CAN_ERR_FLAG | 0x40U;  // bus off
+  frame.can_id = CAN_ERR_FLAG | 0x40U;  // bus-off
   frame.can_dlc = 8;
   EXPECT_EQ(from_can_frame(frame), std::nullopt);
 }
@@ -94,7 +94,7 @@ TEST(CanFrame, ComesBackAsItWas) {
 }
 
 TEST(SocketCan, NamesAnInterfaceThatItCannotOpenAndTheRemedy) {
-  // Where the kernel has no CAN this is the reason, else that there is no such interface.
+  // The reason depends on the kernel: either it has no CAN support, or there is no such interface.
   asio::io_context context;
   Bus bus;
   RecordedHost host;
@@ -118,9 +118,9 @@ TEST(SocketCan, RefusesAnInterfaceThatIsNoCan) {
   EXPECT_THROW(SocketCan(context, bus, host, {.interface = "lo"}), std::runtime_error);
 }
 
-/// A port at a pair of sockets in the place of an interface, whose errors the test chooses.
+/// A port on a socket pair instead of an interface; the test chooses the errors.
 class PluggedInterface final : CanSockets {
-  Bus bus_{};  // first: the others are its ports
+  Bus bus_{};  // first: the other members are attached to it
 
  public:
   PluggedInterface() = default;
@@ -134,7 +134,7 @@ class PluggedInterface final : CanSockets {
     if (wire_ >= 0) ::close(std::exchange(wire_, -1));
   }
 
-  /// @return the frame that came over the wire, nothing without one.
+  /// @return the frame sent to the interface; std::nullopt if there is none.
   [[nodiscard]] std::optional<Frame> sent() const {
     can_frame frame{};
     const ssize_t size = ::read(wire_, &frame, sizeof frame);
@@ -152,7 +152,7 @@ class PluggedInterface final : CanSockets {
 
   static constexpr std::uint8_t kMostWaiting = 8;
 
-  /// Sends one frame more than may wait.
+  /// Sends one frame more than can wait.
   void fill() {
     for (std::uint8_t frame = 0; frame <= kMostWaiting; ++frame) {
       master.send(data_frame(0x201, {frame}));
@@ -216,7 +216,7 @@ class PluggedInterface final : CanSockets {
 
 TEST(SocketCan, DropsFramesWhileTheInterfaceIsDownAndSendsThoseAfterIt) {
   PluggedInterface can;
-  can.write_error = ENOBUFS;  // its queue is full: frames wait
+  can.write_error = ENOBUFS;  // the interface's queue is full: frames wait
   can.master.send(data_frame(0x201, {1}));
   can.master.send(data_frame(0x201, {2}));
   EXPECT_EQ(can.counters().dropped_frames, 0U);

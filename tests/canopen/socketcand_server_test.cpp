@@ -23,7 +23,8 @@
 namespace vdrive::canopen {
 namespace {
 
-/// A server on loopback, at any port, with a port of its own on the bus.
+/// A server on the loopback interface, on any free TCP port, and a port of the test on the same
+/// bus.
 struct SocketcandBench {
   explicit SocketcandBench(SocketcandSettings settings = {}) {
     settings.listen.port = 0;
@@ -31,7 +32,7 @@ struct SocketcandBench {
     server.emplace(context, bus, host, settings);
   }
 
-  /// @return a client that is greeted.
+  /// @return a client that has received the greeting.
   std::unique_ptr<TcpPeer> connect() {
     auto peer = std::make_unique<TcpPeer>(context, server->address());
     peer->read();
@@ -39,7 +40,7 @@ struct SocketcandBench {
     return peer;
   }
 
-  /// @return a client in raw mode that has its first frames at once.
+  /// @return a client in raw mode whose first frames are already on their way.
   std::unique_ptr<TcpPeer> connect_raw() {
     auto peer = connect();
     EXPECT_EQ(peer->ask("< open can0 >"), "< ok >");
@@ -85,7 +86,7 @@ TEST(SocketcandServer, RefusesAHostThatIsNoAddress) {
 }
 
 TEST(SocketcandServer, AnswersEachWordOfTheHandshakeInABlockOfItsOwn) {
-  // python-can compares each block that it receives with the answer.
+  // python-can compares each received block with the expected answer.
   SocketcandBench bench;
   const auto peer = bench.connect();
   EXPECT_EQ(peer->ask("< open can0 >"), "< ok >");
@@ -143,13 +144,13 @@ TEST(SocketcandServer, KeepsTheAnswerToRawmodeApartFromTheFirstFrames) {
   EXPECT_EQ(peer->ask("< open can0 >"), "< ok >");
   const std::size_t before = peer->blocks();
   peer->send("< rawmode >");
-  // A busy bus: frames come at each turn of the server.
+  // A busy bus: frames arrive in every turn of the server's loop.
   ASSERT_TRUE(bench.wait_for("the answer", [&] {
     bench.port.send(data_frame(0x181, {1}));
     return peer->blocks() > before;
   }));
   EXPECT_EQ(peer->next_block(before), "< ok >");
-  // It has read the answer: the frames that have waited follow.
+  // The client has read the answer; now the waiting frames follow.
   peer->send("< send 000 2 1 0 >");
   ASSERT_TRUE(bench.wait_for("frames", [&] {
     return peer->blocks() > before + 1;
@@ -171,7 +172,7 @@ TEST(SocketcandServer, AnswersFramesThatCameTogetherWithRawmode) {
   SocketcandBench bench;
   const auto peer = bench.connect();
   const auto other = bench.connect_raw();
-  other->send("< send 701 1 5 >");  // so that the bus is known to work
+  other->send("< send 701 1 5 >");  // shows that the bus still works
   ASSERT_TRUE(bench.wait_for("a frame", [&] {
     return bench.port.frames.size() == 1;
   }));
@@ -259,14 +260,14 @@ TEST(SocketcandServer, DropsTheOldestFramesOfAClientThatDoesNotRead) {
   const auto reader = bench.connect_raw();
   TcpPeer sleeper(bench.context, bench.server->address());  // never reads
   sleeper.send("< open can0 >< rawmode >");
-  // Its session is in raw mode when the error to this is counted.
+  // Once the error for this word is counted, the session is in raw mode.
   sleeper.send("< nonsense >");
   ASSERT_TRUE(bench.wait_for("a refused word", [&] {
     return bench.server->counters().refused_words == 1;
   }));
   const std::size_t head = reader->received_bytes();
   const std::size_t frame = std::string("\n< frame 181 1.500000 0102030405060708 >").size();
-  // What the kernel keeps for it, some 100 kB, is not dropped.
+  // The kernel buffers some 100 kB for it; those frames are not dropped.
   constexpr std::uint64_t kFarMore = 1'000'000;
   std::uint64_t sent = 0;
   while (bench.server->counters().dropped_frames < 10 && sent < kFarMore) {
@@ -282,13 +283,14 @@ TEST(SocketcandServer, DropsTheOldestFramesOfAClientThatDoesNotRead) {
   EXPECT_EQ(reader->ask("< echo >"), "< echo >");
 }
 
-/// A client that holds the bus: nothing reads what its kernel and the server keep for it.
+/// A client that holds the bus: it never reads, so its kernel buffer and the server's queue fill
+/// up.
 struct HeldBus {
   static constexpr std::size_t kMostWaiting = 64;
 
   HeldBus() {
     sleeper.send("< open can0 >< rawmode >");
-    // With the second one it is known to have raw mode, and gets its frames at once.
+    // After the second one the client is certainly in raw mode and receives its frames immediately.
     for (std::uint64_t refused = 1; refused <= 2; ++refused) {
       sleeper.send("< nonsense >");
       EXPECT_TRUE(bench.wait_for("a refused word", [&] {
@@ -372,7 +374,7 @@ TEST(SocketcandServer, TakesAFloodOfFramesInTheirOrder) {
   SocketcandBench bench;
   const auto flooding = bench.connect_raw();
   const auto other = bench.connect_raw();
-  // 2,000 frames, 30 kB, are several blocks of the server. The other one is served between them.
+  // 2,000 frames, 30 kB, are several blocks for the server. It serves the other client in between.
   constexpr std::uint32_t kFrames = 2'000;
   std::string flood;
   for (std::uint32_t i = 0; i < kFrames; ++i) {
@@ -391,7 +393,7 @@ TEST(SocketcandServer, TakesAFloodOfFramesInTheirOrder) {
       place_of_other = i;
       continue;
     }
-    // Written in decimal, read in hexadecimal: 10 is 16.
+    // Reads decimal digits as hexadecimal: 10 becomes 16.
     const auto from_decimal = [](std::uint32_t number) {
       return number / 10 * 16 + number % 10;
     };
@@ -406,12 +408,12 @@ TEST(SocketcandServer, ReadsNoFurtherFromAClientThatDoesNotReadItsAnswers) {
   SocketcandBench bench;
   TcpPeer flooding(bench.context, bench.server->address());
   const auto other = bench.connect();
-  // Its own sending would wait for the server.
+  // Several sends, since one send of all would block until the server reads.
   std::string echoes;
   for (int i = 0; i < 1'000; ++i) echoes += "< echo >";
   for (int i = 0; i < 5; ++i) flooding.send(echoes);
   EXPECT_EQ(other->ask("< echo >"), "< echo >");
-  // It is served on when it reads.
+  // It is served again once it reads.
   flooding.read();
   const std::size_t whole = std::string("< hi >").size() + 5'000 * std::string("< echo >").size();
   ASSERT_TRUE(bench.wait_for("all echoes", [&] {
@@ -441,7 +443,7 @@ TEST(SocketcandServer, ClosesItsConnectionsWhenItEnds) {
   SocketcandBench bench;
   const auto peer = bench.connect_raw();
   bench.server.reset();
-  bench.port.send(data_frame(0x181, {1}));  // would touch a port of the server
+  bench.port.send(data_frame(0x181, {1}));  // would reach a dangling port of the server
   ASSERT_TRUE(run_until(bench.context, "the end", [&] {
     return peer->has_ended();
   }));

@@ -19,13 +19,13 @@ namespace {
 
 using Replies = std::vector<std::string>;
 
-/// A session, what it answered and what it sent.
+/// A session, its answers and the frames it sent.
 struct RecordedSession final : SocketcandHost {
   void reply(std::string_view text) override { replies.emplace_back(text); }
 
   void send(const Frame& frame) override { frames.push_back(frame); }
 
-  /// Takes `bytes` and returns the answers to them.
+  /// Feeds `bytes` to the session and returns the answers.
   Replies take(std::string_view bytes) {
     replies.clear();
     session.take(bytes);
@@ -48,7 +48,7 @@ std::string frame_text(const Frame& frame, std::chrono::microseconds time) {
   return text;
 }
 
-/// As python-can writes it: bytes without leading zeros.
+/// The notation of python-can: bytes without leading zeros.
 std::string send_text(const Frame& frame) {
   std::string text = frame.is_remote ? "< sendrtr " : "< send ";
   std::array<char, 16> part{};
@@ -84,7 +84,7 @@ TEST(SocketcandFrame, HasContiguousBytesAndMicroseconds) {
 }
 
 TEST(SocketcandFrame, HasExactlyThreeDigitsInTheBaseFormat) {
-  // Newer python-can takes any other number of digits for the extended format.
+  // Newer versions of python-can take any other number of digits for the extended format.
   EXPECT_EQ(frame_text(data_frame(0x1, {0}), std::chrono::microseconds(7)),
             "\n< frame 001 0.000007 00 >");
 }
@@ -96,7 +96,7 @@ TEST(SocketcandFrame, HasEightDigitsInTheExtendedFormat) {
 }
 
 TEST(SocketcandFrame, HasTwoSpacesInPlaceOfNoData) {
-  // python-can takes the third field for the data: without the second space there is none.
+  // python-can takes the third field for the data; it is missing without the second space.
   EXPECT_EQ(frame_text(data_frame(0x080, {}), std::chrono::seconds(1)),
             "\n< frame 080 1.000000  >");
 }
@@ -321,7 +321,7 @@ TEST(SocketcandSession, KeepsNoMoreOfAWordThanTheLongestHas) {
   RecordedSession recorded;
   in_raw_mode(recorded);
   const std::string blanks(kLongestSocketcandWord - 12, ' ');
-  // The brackets are no part of the word: " send 123 0 " has 12 characters.
+  // The brackets do not count: " send 123 0 " has 12 characters.
   EXPECT_EQ(recorded.take("< send 123 0 " + blanks + ">"), Replies{});
   EXPECT_EQ(recorded.take("< send 123 0  " + blanks + ">"), Replies{"< error word is too long >"});
   EXPECT_EQ(recorded.take("< send " + std::string(100'000, '1') + ">"),

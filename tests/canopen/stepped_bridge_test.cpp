@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A bench in lock-step behind nodes, on which each SYNC lets one period pass.
+// The bridge with a bench in lock-step, on which each SYNC lets one period pass.
 #include "canopen/bus_of_bench.hpp"
 #include "canopen/tcp_peer.hpp"
 #include "node/node_object.hpp"
@@ -35,10 +35,10 @@ constexpr ObjectAddress kPosition{0x6064, 0};
 
 constexpr std::array<std::uint8_t, 3> kEnablingWords{0x06, 0x07, 0x0F};
 
-constexpr std::uint8_t kStart = 0x01;  // commands of NMT
+constexpr std::uint8_t kStart = 0x01;  // NMT commands
 constexpr std::uint8_t kResetNode = 0x81;
 
-/// Goes through the power states by SDO, a word a SYNC.
+/// Enables the axis by SDO, one controlword per SYNC.
 void enable_by_sdo(BusOfBench& bus, std::uint8_t node) {
   for (const std::uint8_t word : kEnablingWords) {
     ASSERT_EQ(bus.master().download(node, kControlword, word, 2), AbortCode::none);
@@ -47,7 +47,7 @@ void enable_by_sdo(BusOfBench& bus, std::uint8_t node) {
   ASSERT_EQ(bus.statusword(node) & kStateBits, kShowsEnabled);
 }
 
-/// @return the tick of the bench, which a look does not change.
+/// @return the tick of the bench. Reading it lets no time pass.
 std::uint64_t tick_of(BusOfBench& bus) {
   client::Session session = bus.other_session();
   return session.axis("1.1").value().status().value().tick;
@@ -72,7 +72,7 @@ TEST(SteppedBridge, AnswersEveryObjectOfTheDictionaryByItsAccessAndSize) {
       EXPECT_EQ(answer.abort, AbortCode::read_of_write_only_object) << name;
       continue;
     }
-    // The history of a drive without a fault is empty.
+    // The error history of a drive without faults is empty.
     const bool is_empty = object.address.index == 0x1003 && object.address.subindex > 0;
     EXPECT_EQ(answer.abort, is_empty ? AbortCode::no_data_available : AbortCode::none) << name;
     if (is_empty) continue;
@@ -85,7 +85,7 @@ TEST(SteppedBridge, AnswersEveryObjectOfTheDictionaryByItsAccessAndSize) {
   EXPECT_EQ(bus.master().upload(1, {0x607D, 9}).abort, AbortCode::subindex_does_not_exist);
 }
 
-// Writing what is there already changes nothing, so that every drive takes it.
+// Writes each object's current value, which every drive accepts.
 TEST(SteppedBridge, TakesEveryWritableObjectOfTheDriveAndRefusesTheOthers) {
   BusOfBench bus(1, 1ms);
   for (const ObjectDescription& object : kObjectTable) {
@@ -116,12 +116,13 @@ TEST(SteppedBridge, LetsAMasterMeetTheHabitsOfADrive) {
   EXPECT_EQ(bus.statusword(1) & 0x6F, 0x23) << "Switched on";
   bus.sync(30);
   EXPECT_EQ(bus.statusword(1) & kStateBits, kShowsEnabled);
-  ASSERT_EQ(bus.master().download(1, {0x5E20, 5}, 2, 1), AbortCode::none);  // no other mode now
+  ASSERT_EQ(bus.master().download(1, {0x5E20, 5}, 2, 1),
+            AbortCode::none);  // no mode changes while enabled
   EXPECT_EQ(bus.master().download(1, kMode, 3, 1), AbortCode::refused_in_present_device_state);
   EXPECT_EQ(bus.master().download(1, {0x5E20, 12}, 1, 2), AbortCode::value_range_exceeded);
 }
 
-// Each word runs the power state machine, also when several come before one SYNC.
+// Each controlword runs the power state machine, even when several arrive before one SYNC.
 TEST(SteppedBridge, TakesEveryControlwordThatCameBeforeSync) {
   BusOfBench bus(1, 1ms);
   bus.master().send_nmt(kStart, 1);
@@ -130,7 +131,8 @@ TEST(SteppedBridge, TakesEveryControlwordThatCameBeforeSync) {
   EXPECT_EQ(bus.statusword(1) & kStateBits, kShowsEnabled);
 }
 
-// Habit f of docs/guides/be-another-drive.md. 8 periods of SYNC are two loops of 4 ms.
+// Habit f of docs/guides/be-another-drive.md: a controlword loop of 4 ms. 8 SYNC periods are two
+// loops.
 TEST(SteppedBridge, LeavesTheLastWordBeforeSyncToADriveThatLooksSeldom) {
   BusOfBench bus(1, 1ms);
   TestMaster& master = bus.master();
@@ -159,7 +161,8 @@ TEST(SteppedBridge, LeavesTheLastWordBeforeSyncToADriveThatLooksSeldom) {
   EXPECT_GT(bus.read(1, {0x6062, 0}, true), 0);
 }
 
-// Habit f: 13 periods begin one later in the loop of 4 each time, so that one of 4 words is seen.
+// Habit f: since each pulse lasts 13 SYNC periods, the next one starts one period later in the loop
+// of 4. So the drive sees one word of four.
 TEST(SteppedBridge, LosesThreeOfFourWordsThatLastOneSyncOfALoopOfFour) {
   BusOfBench bus(1, 1ms);
   TestMaster& master = bus.master();
@@ -193,7 +196,7 @@ TEST(SteppedBridge, MovesInProfilePositionBySdo) {
   EXPECT_EQ(bus.read(1, kPosition, true), 1000);
 }
 
-// RPDOs before SYNC n act at n; TPDOs carry what was sampled at n, before they act.
+// RPDOs received before SYNC n act at n; TPDOs carry the values sampled at n, before the RPDOs act.
 TEST(SteppedBridge, StreamsPositionsBySync) {
   BusOfBench bus(1, 1ms);
   TestMaster& master = bus.master();
@@ -225,21 +228,22 @@ TEST(SteppedBridge, StreamsPositionsBySync) {
   }
 }
 
-/// A set-point that an RPDO brings with the controlword, and what the drive shows of it.
+/// A set-point that an RPDO carries along with the controlword, and the object that shows its
+/// effect.
 struct StreamRow {
   const char* name;
   std::int64_t mode;
   std::uint8_t word;   // low byte of 6040h
   std::int64_t entry;  // of 1602h
-  std::int64_t step;   // from SYNC to SYNC
+  std::int64_t step;   // per SYNC
   ObjectAddress shown;
   std::int64_t shown_step;
-  std::int64_t shown_short;  // of the steps, in each tick
+  std::int64_t shown_short;  // by which the shown value lags, in each tick
 };
 
-// 6042h: 3 rpm are 204.8 UU/s, of which the ramp of 6048h, 6000 rpm/s, allows two in a tick; 6043h
-// is in rpm. 6074h is the command of the last of the 8 servo cycles of a tick, one step of an
-// eighth before its end.
+// 6042h: 3 rpm are 204.8 UU/s; the ramp of 6048h, 6000 rpm/s, covers them within two ticks. 6043h
+// is in rpm. 6074h is the command of the last of the 8 servo cycles of a tick, one eighth of a step
+// before the tick's end.
 constexpr std::array<StreamRow, 4> kStreamRows{{
     {"Velocity", 2, 0x7F, 0x60420010, 3, {0x6043, 0}, 3, 0},
     {"InterpolatedPosition", 7, 0x1F, 0x60C10120, 2, {0x6062, 0}, 2, 0},
@@ -249,7 +253,7 @@ constexpr std::array<StreamRow, 4> kStreamRows{{
 
 class StreamBySync : public testing::TestWithParam<StreamRow> {};
 
-// RPDOs before SYNC n act at n, in every mode as positions do.
+// RPDOs received before SYNC n act at n in every mode.
 TEST_P(StreamBySync, ActsInTheTickBehindSync) {
   const StreamRow& row = GetParam();
   BusOfBench bus(1, 1ms);
@@ -292,7 +296,7 @@ TEST(SteppedBridge, LetsTimePassAtSyncAlone) {
   EXPECT_EQ(tick_of(bus), begin + 15) << "ticks of 1 ms";
 }
 
-// CiA 301: a SYNC has no data, or a counter of one byte.
+// CiA 301: a SYNC carries either no data or a counter of one byte.
 TEST(SteppedBridge, LetsNoTimePassAtASyncOfAWrongLength) {
   BusOfBench bus(1, 1ms);
   const std::uint64_t begin = tick_of(bus);
@@ -348,7 +352,7 @@ TEST(SteppedBridge, SendsAnEmergencyForAFaultAndForItsEnd) {
 TEST(SteppedBridge, DetectsTheLossOfItsMasterByItsHeartbeat) {
   BusOfBench bus(1, 1ms);
   bus.master().send_nmt(kStart, 1);
-  // Producer 127 within 50 ms.
+  // Producer 127, 50 ms.
   ASSERT_EQ(bus.master().download(1, {0x1016, 1}, (0x7F << 16) | 50, 4), AbortCode::none);
   bus.sync(100);
   EXPECT_EQ(bus.master().count(0x081), 0U) << "it is watched from its first heartbeat on";
@@ -409,13 +413,13 @@ TEST(SteppedBridge, PowerCyclesAtResetNode) {
   bus.master().send_nmt(kResetNode, 1);
   EXPECT_EQ(bus.master().count(0x701), 1U) << "boot-up";
   EXPECT_EQ(bus.master().count(0x702), 0U);
-  // Behind the power cycle: the accesses of an axis are carried out in their order.
+  // This read is executed after the power cycle: the accesses to an axis keep their order.
   EXPECT_NE(bus.read(1, {0x6081, 0}), 12'345);
   bus.sync(2);
   EXPECT_NE(bus.statusword(1) & kStateBits, kShowsEnabled);
 }
 
-/// The TPDO 1 of the node has one byte, and is sent at the TPDO 1 of the other one.
+/// Gives the node a TPDO1 of one byte that it sends at each TPDO1 of the other node.
 void synchronise_with(BusOfBench& bus, std::uint8_t node, std::uint8_t other) {
   const std::int64_t id = 0x180 + node;
   TestMaster& master = bus.master();
@@ -435,7 +439,7 @@ TEST(SteppedBridge, EndsNodesThatAnswerEachOther) {
   ASSERT_NO_FATAL_FAILURE(synchronise_with(bus, 2, 1));
   bus.master().send_nmt(kStart, 0);
   (void)bus.master().take_all();
-  bus.master().send(0x181, {1});  // a SYNC of node 2
+  bus.master().send(0x181, {1});  // the SYNC of node 2
   EXPECT_GT(bus.master().count(0x182), 1'000U);
   EXPECT_GT(bus.bridge().bus(0).bus().dropped_frames(), 0U);
   EXPECT_EQ(bus.read(2, {0x1000, 0}), 0x00020192) << "the nodes are there";
@@ -461,7 +465,8 @@ TEST(SteppedBridge, EndsWhileASyncWaitsForAnotherStepper) {
   BusOfBench bus(1, 1ms);
   client::Session other = bus.other_session();
   std::optional<client::Result<client::StepClock>> clock;
-  // In another thread: one that steps a bench of this process with two sessions waits for itself.
+  // In another thread: a thread that steps a bench in this process with two sessions would wait for
+  // itself.
   std::jthread([&] {
     clock.emplace(client::StepClock::join(other, std::array<std::uint32_t, 1>{1}));
   }).join();
@@ -470,7 +475,7 @@ TEST(SteppedBridge, EndsWhileASyncWaitsForAnotherStepper) {
   const std::jthread ending([&bus] {
     bus.bridge().stop();
   });
-  // Each would wait for a second, until the other stepper is taken off the clock.
+  // Each SYNC would wait a second, until the other stepper is removed from the clock.
   bus.sync(100);
   EXPECT_TRUE(bus.bridge().loop().stopped());
   EXPECT_EQ(tick_of(bus), begin);
@@ -516,9 +521,9 @@ TEST(SteppedBridge, GivesTheSameFramesEachTime) {
   EXPECT_EQ(run(), first);
 }
 
-// ---- benches that cannot be nodes ------------------------------------------------------------
+// ---- benches whose axes cannot be nodes ------------------------------------------------------
 
-/// @return why the bench is left out.
+/// @return the reason for leaving out the bench; empty if it is served.
 std::string left_out(const bench::BenchOptions& options, std::chrono::microseconds sync_steps,
                      std::int32_t offset) {
   const bench::Bench bench(options);
@@ -528,7 +533,7 @@ std::string left_out(const bench::BenchOptions& options, std::chrono::microsecon
   settings.buses.emplace_back().benches.push_back({.number = 1, .node_offset = offset});
   canopen::CanopenBridge bridge(settings);
   bridge.start();
-  // A bench in realtime is there with the first sample of its own thread.
+  // A bench in real time is found once its own thread has sent the first status.
   const auto is_known = [&bridge] {
     return bridge.bus(0).nodes(1) != nullptr || !bridge.bus(0).left_out().empty();
   };
@@ -548,7 +553,7 @@ TEST(SteppedBridge, LeavesOutABenchThatCannotBeServedAndSaysWhy) {
   EXPECT_THAT(left_out(stepped, 1ms, 126), HasSubstr("axis 1.2 would be node 128"));
 }
 
-/// TPDO1 of node 1 carries these objects, an entry of 1A00h each.
+/// Maps these objects into TPDO1 of node 1, one entry of 1A00h each.
 /// @param type 1800h:02
 void map_first_tpdo(TestMaster& master, std::int64_t type,
                     const std::vector<std::int64_t>& entries) {
@@ -564,7 +569,7 @@ void map_first_tpdo(TestMaster& master, std::int64_t type,
   ASSERT_EQ(master.download(1, {0x1800, 1}, 0x181, 4), AbortCode::none);
 }
 
-// TPDOs at SYNC n carry what was sampled at n; RPDOs before it act behind it.
+// TPDOs at SYNC n carry the values sampled at n; RPDOs received before it act only afterwards.
 TEST(SteppedBridge, CarriesInATpdoTheTargetThatWasInForceAtTheSample) {
   BusOfBench bus(1, 1ms);
   ASSERT_EQ(bus.master().download(1, kTarget, 55, 4), AbortCode::none);
@@ -595,7 +600,7 @@ TEST(SteppedBridge, CarriesInATpdoReadOnlyObjectsThatTheStatusDoesNotHave) {
   EXPECT_EQ(number_in(*sampled, 4, 4), bus.read(1, {0x6502, 0}));
 }
 
-// A PDO has no answer. Mode 50 is none that the drive has.
+// A PDO has no answer. The drive does not have mode 50.
 TEST(SteppedBridge, CountsAValueOfAPdoThatTheDriveRefuses) {
   BusOfBench bus(1, 1ms);
   bus.master().send_nmt(kStart, 1);
@@ -607,7 +612,7 @@ TEST(SteppedBridge, CountsAValueOfAPdoThatTheDriveRefuses) {
   EXPECT_THAT(bus.bridge().counter_lines().front(), HasSubstr(", 1 refused values of PDOs, "));
 }
 
-/// A private bridge with a socketcand server, each SYNC of which lets 1 ms pass.
+/// A private bridge with a socketcand server, where each SYNC lets 1 ms pass.
 canopen::Settings private_settings(std::size_t nodes) {
   canopen::Settings settings;
   settings.is_private = true;
@@ -618,7 +623,7 @@ canopen::Settings private_settings(std::size_t nodes) {
   return settings;
 }
 
-/// @return of each TPDO of each node, how many frames a client of socketcand got.
+/// @return the number of frames that a socketcand client received, for each TPDO of each node.
 std::map<std::string, std::size_t> tpdos_in(const std::string& received) {
   constexpr std::string_view kFrame = "< frame ";
   constexpr std::size_t kDigits = 3;
@@ -631,7 +636,7 @@ std::map<std::string, std::size_t> tpdos_in(const std::string& received) {
   return counts;
 }
 
-/// Four TPDOs of each node answer each SYNC, nothing else does.
+/// Makes four TPDOs of each node answer each SYNC, and switches off all other frames.
 void answer_each_sync(canopen::CanopenBridge& bridge, std::size_t nodes) {
   TestMaster master(bridge.bus(0).bus(), [] {});
   for (std::size_t node = 1; node <= nodes; ++node) {
@@ -649,8 +654,8 @@ struct Flood {
 
 class FloodOfSyncs : public testing::TestWithParam<Flood> {};
 
-// 4,000 SYNCs ask three nodes for 48,000 TPDOs, and 60 ask 127 nodes for 30,480: more than the
-// 16,384 frames that may wait for a client.
+// 4,000 SYNCs request 48,000 TPDOs from three nodes, and 60 SYNCs 30,480 from 127 nodes: more than
+// the 16,384 frames that may wait for a client.
 TEST_P(FloodOfSyncs, LosesNoTpdoOfAMasterThatSendsAllBeforeItReads) {
   const auto [nodes, syncs] = GetParam();
   canopen::CanopenBridge bridge(private_settings(nodes));
@@ -678,7 +683,7 @@ INSTANTIATE_TEST_SUITE_P(SteppedBridge, FloodOfSyncs,
                            return "With" + std::to_string(flood.param.nodes) + "Nodes";
                          });
 
-// A bench begins with tick 1: SYNC n comes at n ms, when its TPDOs are sampled.
+// A bench begins at tick 1: SYNC n is at n ms, when its TPDOs are sampled.
 TEST(SteppedBridge, StampsFramesWithTheTimeOfTheDrives) {
   canopen::CanopenBridge bridge(private_settings(1));
   bridge.start();
@@ -694,7 +699,7 @@ TEST(SteppedBridge, StampsFramesWithTheTimeOfTheDrives) {
   }
 }
 
-// The master of an SDO has the abort code.
+// The master of an SDO receives the abort code.
 TEST(SteppedBridge, CountsNoRefusalOfAnSdoAsThatOfAPdo) {
   BusOfBench bus(1, 1ms);
   EXPECT_EQ(bus.master().download(1, kMode, 50, 1), AbortCode::value_range_exceeded);

@@ -18,7 +18,7 @@ SyncConsumer sync_consumer() {
   return SyncConsumer(std::nullopt);
 }
 
-/// A consumer that awaits the counter 1 to 10.
+/// A consumer that expects counter values from 1 to 10.
 SyncConsumer counting_consumer() {
   SyncConsumer sync = sync_consumer();
   EXPECT_EQ(sync.write({0x1019, 0}, 10), AbortCode::none);

@@ -18,8 +18,8 @@
 namespace vdrive::canopen {
 
 /// Runs `context` until `condition` holds.
-/// @param what is waited for, such as "an answer"
-/// @return false when it does not hold within a time far beyond what that takes
+/// @param what names the condition in the report, such as "an answer"
+/// @return false if the condition does not hold within 40 s, far more than it needs.
 inline bool run_until(asio::io_context& context, std::string_view what,
                       const std::function<bool()>& condition) {
   constexpr std::chrono::seconds kPatience{40};
@@ -35,11 +35,11 @@ inline bool run_until(asio::io_context& context, std::string_view what,
   return true;
 }
 
-/// A client of a server in the same context.
+/// A TCP client that shares its io_context with the server.
 class TcpPeer final {
  public:
-  /// Connects, and reads from then on.
-  /// @throws boost::system::system_error when there is no connection
+  /// Connects and starts to read.
+  /// @throws boost::system::system_error if the connection fails
   TcpPeer(asio::io_context& context, const TcpAddress& address)
       : context_(context), state_(std::make_shared<State>(context)) {
     state_->socket.connect({asio::ip::make_address(address.host), address.port});
@@ -50,12 +50,12 @@ class TcpPeer final {
   TcpPeer(const TcpPeer&) = delete;
   TcpPeer& operator=(const TcpPeer&) = delete;
 
-  /// Reads, until the connection ends, what comes while the context runs.
+  /// Reads until the connection ends, while the context runs.
   void read() { state_->read(); }
 
   void send(std::string_view text) { asio::write(state_->socket, asio::buffer(text)); }
 
-  /// Sends nothing more, and still reads.
+  /// Shuts down the sending side; reading continues.
   void end_sending() { state_->socket.shutdown(tcp::socket::shutdown_send); }
 
   void close() {
@@ -63,15 +63,15 @@ class TcpPeer final {
     state_->socket.close(ignored);
   }
 
-  /// Sends `text`, and runs the context until the block that answers it is there.
-  /// @return that block; empty when none came
+  /// Sends `text` and runs the context until the answering block has arrived.
+  /// @return that block; empty if none arrived
   std::string ask(std::string_view text) {
     const std::size_t before = state_->blocks.size();
     send(text);
     return next_block(before);
   }
 
-  /// @return the block of this number, as it was received at once; empty when none came.
+  /// @return block `number`, as received in one read; empty if it did not arrive.
   std::string next_block(std::size_t number) {
     const bool has_come = run_until(context_, "a block of bytes", [&] {
       return state_->blocks.size() > number || state_->has_ended;
@@ -79,7 +79,7 @@ class TcpPeer final {
     return has_come && state_->blocks.size() > number ? state_->blocks[number] : std::string();
   }
 
-  /// @return all that was received.
+  /// @return everything received.
   [[nodiscard]] std::string received() const {
     std::string all;
     for (const std::string& block : state_->blocks) all += block;
@@ -88,7 +88,7 @@ class TcpPeer final {
 
   [[nodiscard]] std::size_t received_bytes() const { return state_->bytes; }
 
-  /// @return words of socketcand that bring a frame, as far as they are here.
+  /// @return the number of frames received so far.
   [[nodiscard]] std::size_t received_frames() const { return state_->frames; }
 
   [[nodiscard]] std::size_t blocks() const { return state_->blocks.size(); }
@@ -107,7 +107,7 @@ class TcpPeer final {
           return;
         }
         self->blocks.emplace_back(self->input.data(), size);
-        // Each begins with a line feed, and nothing else does.
+        // Only frame words begin with a line feed.
         self->frames += static_cast<std::size_t>(std::ranges::count(self->blocks.back(), '\n'));
         self->bytes += size;
         self->read();

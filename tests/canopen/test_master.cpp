@@ -101,7 +101,7 @@ TestMaster::Upload TestMaster::upload(std::uint8_t node, ObjectAddress object) {
   auto answer = exchange(node, {0x40, index[0], index[1], object.subindex, 0, 0, 0, 0});
   if (!answer) throw std::runtime_error("node " + std::to_string(node) + " does not answer");
   if (answer->data[0] == 0x80) return {.abort = static_cast<AbortCode>(number_in(*answer, 4, 4))};
-  if ((answer->data[0] & 0x02U) != 0) {  // expedited; n = bytes without data
+  if ((answer->data[0] & 0x02U) != 0) {  // expedited; n = number of unused bytes
     const std::size_t size = 4 - ((answer->data[0] >> 2U) & 0x03U);
     return {.data = {answer->data.begin() + 4,
                      answer->data.begin() + 4 + static_cast<std::ptrdiff_t>(size)}};

@@ -15,10 +15,10 @@
 
 namespace vdrive::test {
 
-/// A master of a test: a port of a bus that sends frames and keeps those that it receives.
+/// A test master: a port that sends frames and records those it receives.
 class TestMaster final : public canopen::Port {
  public:
-  /// @param work lets the bridge do what it has to do, or wait for something for a moment
+  /// @param work lets the bridge do its pending work, or waits briefly
   TestMaster(canopen::Bus& bus, std::function<void()> work);
   ~TestMaster() override;
   TestMaster(const TestMaster&) = delete;
@@ -38,12 +38,13 @@ class TestMaster final : public canopen::Port {
 
   [[nodiscard]] std::vector<canopen::Frame> take_all();
 
-  /// @return the newest frame with this identifier that is still there.
+  /// @return the latest frame with this identifier since the last take_all().
   [[nodiscard]] std::optional<canopen::Frame> newest(std::uint32_t id) const;
 
   [[nodiscard]] std::size_t count(std::uint32_t id) const;
 
-  /// Works until `condition` holds. @return false after 60 s.
+  /// Works until `condition` holds.
+  /// @return false after 60 s.
   [[nodiscard]] bool wait_until(const std::function<bool()>& condition);
 
   [[nodiscard]] bool wait_for(std::uint32_t id);
@@ -58,7 +59,7 @@ class TestMaster final : public canopen::Port {
     [[nodiscard]] std::int64_t number(bool is_signed = false) const;
   };
 
-  /// Expedited or segmented, as the node answers.
+  /// Expedited or segmented, as the node chooses.
   Upload upload(std::uint8_t node, ObjectAddress object);
 
   /// @param size bytes of the object, 1 to 4
@@ -74,10 +75,10 @@ class TestMaster final : public canopen::Port {
   std::vector<canopen::Frame> received_;
 };
 
-/// @return the bytes of a number, least first.
+/// @return the bytes of a number, least significant first.
 [[nodiscard]] std::vector<std::uint8_t> little_endian(std::int64_t value, std::size_t size);
 
-/// @return the number that these bytes of a frame are.
+/// @return the number encoded in these bytes of a frame.
 [[nodiscard]] std::int64_t number_in(const canopen::Frame& frame, std::size_t first,
                                      std::size_t size, bool is_signed = false);
 

@@ -19,7 +19,7 @@ using testing::IsEmpty;
 
 constexpr std::uint8_t kNoCounter = 0;
 
-/// The first TPDO of the node, 6041h, of this type; remote frames are allowed.
+/// The first TPDO of the node with 6041h and this transmission type; RTR is allowed.
 TransmitPdo transmit_pdo_of_type(std::uint32_t type) {
   TransmitPdo pdo(pdo_place(1));
   EXPECT_EQ(pdo.write({0x1800, 1}, 0x185), AbortCode::none);
@@ -39,7 +39,8 @@ TransmitPdo transmit_pdo_with_times(std::uint32_t inhibit_time, std::uint32_t ev
   return pdo;
 }
 
-/// @return which of the SYNCs 1 to `count` a TPDO of this type is sent at, without a change.
+/// @return at which of the SYNCs 1 to `count` a TPDO of this type is sent while its value is
+///   constant.
 std::vector<int> sent_at_syncs(std::uint32_t type, int count) {
   TransmitPdo pdo = transmit_pdo_of_type(type);
   std::vector<int> sent;
@@ -122,7 +123,7 @@ TEST(TransmitPdo, PacksAnObjectWithTheLengthOfItsType) {
   TransmitPdo pdo(pdo_place(1));
   remap_pdo(pdo, 0x1800, {kMapDigitalInputs, kMapModeDisplay});
   AxisStatus drive;
-  drive.digital_inputs = 5;  // a byte of the status, UNSIGNED32 in the dictionary
+  drive.digital_inputs = 5;  // one byte in the status, UNSIGNED32 in the dictionary
   drive.op_mode_actual = -1;
   EXPECT_THAT(pdo_bytes(pdo.send_due(drive, 0ms)), ElementsAre(5, 0, 0, 0, 0xFF));
 }
@@ -168,7 +169,7 @@ TEST(TransmitPdo, SendsAtOnceAfterItsInhibitTime) {
   TransmitPdo pdo = transmit_pdo_with_times(100, 0);
   EXPECT_TRUE(pdo.send_due(pdo_status(1), 0ms));
   EXPECT_TRUE(pdo.send_due(pdo_status(2), 50ms));
-  EXPECT_FALSE(pdo.send_due(pdo_status(3), 59ms));  // counts from the frame before
+  EXPECT_FALSE(pdo.send_due(pdo_status(3), 59ms));  // counts from the previous frame
 }
 
 TEST(TransmitPdo, SendsUnchangedBytesWhenItsEventTimerHasElapsed) {
@@ -177,7 +178,7 @@ TEST(TransmitPdo, SendsUnchangedBytesWhenItsEventTimerHasElapsed) {
   EXPECT_EQ(pdo.next_due(), DriveTime(50ms));
   EXPECT_FALSE(pdo.send_due(pdo_status(1), 49ms));
   EXPECT_TRUE(pdo.send_due(pdo_status(1), 50ms));
-  EXPECT_TRUE(pdo.send_due(pdo_status(2), 70ms));  // a change begins the timer again
+  EXPECT_TRUE(pdo.send_due(pdo_status(2), 70ms));  // a change restarts the timer
   EXPECT_FALSE(pdo.send_due(pdo_status(2), 100ms));
   EXPECT_EQ(pdo.next_due(), DriveTime(120ms));
 }
@@ -290,7 +291,7 @@ TEST(TransmitPdo, IsRequestedByRemoteFramesInTheBaseFormat) {
   EXPECT_FALSE(pdo.is_request(pdo_request(0x185)));
 }
 
-/// A TPDO of this type that begins with the SYNC of counter 3.
+/// A TPDO of this type with SYNC start value 3.
 TransmitPdo transmit_pdo_starting_at_3(std::uint32_t type) {
   TransmitPdo pdo = transmit_pdo_of_type(type);
   EXPECT_EQ(pdo.write({0x1800, 1}, 0x80000185), AbortCode::none);
@@ -346,7 +347,7 @@ TEST(TransmitPdo, BeginsToCountSyncsAgainWithAnotherType) {
   EXPECT_EQ(pdo.write({0x1800, 2}, 3), AbortCode::none);
   EXPECT_FALSE(pdo.synchronise(pdo_status(1), kNoCounter));
   EXPECT_FALSE(pdo.synchronise(pdo_status(1), kNoCounter));
-  EXPECT_EQ(pdo.write({0x1800, 2}, 3), AbortCode::none);  // the same one
+  EXPECT_EQ(pdo.write({0x1800, 2}, 3), AbortCode::none);  // unchanged
   EXPECT_TRUE(pdo.synchronise(pdo_status(1), kNoCounter));
 }
 
@@ -368,7 +369,7 @@ TEST(TransmitPdo, HasItsDefaultsAgainAfterAReset) {
   EXPECT_TRUE(pdo.send_due(pdo_status(1), 0ms));
 }
 
-// ---- objects that the status does not have ----------------------------------------------------
+// ---- objects that are not part of the status ---------------------------------------------------
 
 /// The first TPDO with 6041h and 607Ah, event-driven.
 TransmitPdo transmit_pdo_with_target() {
@@ -437,7 +438,7 @@ TEST(TransmitPdo, IgnoresTheValueOfAnObjectThatItDoesNotCarry) {
   EXPECT_FALSE(pdo.send_due(pdo_status(0x0237), 0ms));
 }
 
-// What was read before may be long ago.
+// Values read earlier may be out of date.
 TEST(TransmitPdo, ForgetsWhatWasReadWhenItIsNotValid) {
   TransmitPdo pdo = transmit_pdo_with_target();
   pdo.set_value(drive_value(0x607A, 1));

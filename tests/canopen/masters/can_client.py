@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
-"""A CANopen master in its simplest form, which knows only CAN: a client of socketcand.
+"""A minimal CANopen master that knows only CAN: a client of socketcand.
 
-The text is that of doc/protocol.md of linux-can/socketcand; the services are those of CiA 301.
-"""
+The protocol is that of doc/protocol.md in linux-can/socketcand; the services are those of CiA
+301."""
 import collections
 import select
 import socket
@@ -10,11 +10,11 @@ import struct
 import time
 from typing import NamedTuple
 
-PATIENCE = 60.0  # [s] for what a busy machine delays
+PATIENCE = 60.0  # [s] generous, for busy machines
 
 START, STOP, PRE_OPERATIONAL, RESET_NODE, RESET_COMMUNICATION = 0x01, 0x02, 0x80, 0x81, 0x82
 SYNC, EMCY, TPDO, RPDO, SDO_ANSWER, SDO_REQUEST, HEARTBEAT = 0x80, 0x80, 0x180, 0x200, 0x580, 0x600, 0x700
-NOT_VALID = 1 << 31  # of the COB-ID of a PDO
+NOT_VALID = 1 << 31  # bit of the COB-ID of a PDO
 
 
 class Frame(NamedTuple):
@@ -28,7 +28,7 @@ class Frame(NamedTuple):
 
 
 class SdoAbort(Exception):
-    """The node ended a transfer."""
+    """The node aborted a transfer."""
 
     def __init__(self, index, sub, code):
         super().__init__(f"{index:04X}h:{sub:02X}: abort 0x{code:08X}")
@@ -36,7 +36,7 @@ class SdoAbort(Exception):
 
 
 class CanClient:
-    """A connection to a socketcand server, in raw mode. Frames that came are in `seen`, the newest
+    """A connection to a socketcand server in raw mode. Received frames are in `seen`, the latest
     of each identifier in `latest`."""
 
     def __init__(self, host, port, channel="can0", patience=PATIENCE):
@@ -64,7 +64,7 @@ class CanClient:
     # Words.
 
     def _word(self, timeout):
-        """The next word, or None when none has come in time."""
+        """The next word, or None on a time-out."""
         deadline = time.monotonic() + timeout
         while b">" not in self._text:
             left = max(0.0, deadline - time.monotonic())
@@ -88,7 +88,7 @@ class CanClient:
         self._socket.sendall(f"< {' '.join(words)} >".encode())
 
     def receive(self, timeout=0.0):
-        """The next frame, or None when none has come in time."""
+        """The next frame, or None on a time-out."""
         word = self._word(timeout)
         if word is None:
             return None
@@ -110,7 +110,7 @@ class CanClient:
         raise TimeoutError(f"{what} did not come within {self.patience} s")
 
     def drain(self):
-        """Receive what has come."""
+        """Receive all frames that have arrived."""
         while self.receive() is not None:
             pass
 
@@ -203,8 +203,8 @@ class CanClient:
 
 
 class Time:
-    """The time of a master on a bus with one node, whose SYNC lets a period pass. It is the drive's, so
-    that the time-outs of the master hold on a busy machine, too."""
+    """The clock of a master on a bus with one node, where SYNC lets a period pass. It counts drive
+    time, so that the time-outs of the master also hold on a busy machine."""
 
     def __init__(self, client, period, node):
         self._client, self.period, self._node = client, period, node
@@ -218,15 +218,16 @@ class Time:
         self._client.boot(self._node)
 
     def cycle(self):
-        """One period. What the node sends upon SYNC comes before the answer to the SDO behind it."""
+        """One period. Frames that the node sends at SYNC arrive before the answer to the SDO that
+        follows it."""
         self._client.sync()
         self._client.read(self._node, 0x1000)
         self.now += self.period
 
 
 class RealTime(Time):
-    """The same where SYNC lets no time pass: the clock is the heartbeat of the node, which counts drive
-    time."""
+    """The same where SYNC lets no time pass: the clock is the heartbeat of the node, which counts
+    drive time."""
 
     def __init__(self, client, period, node):
         super().__init__(client, period, node)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""A bus with one axis, in both clocks, a master on it, the time of this master, and its judge."""
+"""A bus with one axis, with either clock; a master on it, its clock, and its judge."""
 import json
 import os
 import subprocess
@@ -8,7 +8,7 @@ import pytest
 import vdrive.canopen
 from can_client import CanClient, RealTime, Time
 
-PERIOD = 0.01  # [s] of SYNC: that of the masters' examples
+PERIOD = 0.01  # [s] of SYNC, as in the examples of the masters
 
 
 @pytest.fixture(params=["realtime", "lockstep"])
@@ -17,19 +17,20 @@ def bus(request, tmp_path):
     log = tmp_path / "bus.candump"
     with vdrive.canopen.Bus(axes=1, clock=request.param, arguments=["--log", log], **options) as bus:
         yield bus
-    # In real time the frames of a master in Python are as late as the machine is busy: no mistake of the master.
+    # In real time, a master in Python is as late as the machine is busy, which is no mistake of the
+    # master.
     if request.param == "lockstep":
         judge(request.module, log)
 
 
 def judge(module, log):
-    """What the judge finds in a log of the bus, the module knows: FINDINGS has our reading of each rule.
+    """The judge finds nothing in the log of the bus but FINDINGS of the module, which explain each
+    rule.
 
-    A test commands some things that its master does not, such as a fault. docs/guides/judging.md has the
-    findings that are the masters'.
-    """
+    A test also commands things that its master does not, such as a fault.
+    docs/guides/judging.md lists the findings that are due to the masters."""
     tool = os.environ.get("VDRIVE_TOOL")
-    if tool is None or not os.path.exists(tool):  # under a sanitizer
+    if tool is None or not os.path.exists(tool):  # in builds with a sanitizer
         return
     done = subprocess.run([tool, "judge", log, "--json", "--fail-on", "never"], capture_output=True, text=True,
                           timeout=60)

@@ -1,15 +1,15 @@
 # SPDX-License-Identifier: Apache-2.0
 """Masters on CANopenNode, whose blocking SDO client polls the drive.
 
-Read in wdfk-prog/canopennode-rtt: profile/cia402/controller/CO_402_controller.c and
-CO_402_controller_client.c (6041h, then 6040h read, changed under a mask and written, each step); and in
-CORLR/arm_control_V2: user_code/arm_control/arm_control.c (hechuan_motor_setpos, canopen_init_hechuan:
-modes, ramps and moves by SDO alone, 10 ms an access). Nothing of it is copied.
-"""
+Modelled on wdfk-prog/canopennode-rtt: profile/cia402/controller/CO_402_controller.c and
+CO_402_controller_client.c (each step reads 6041h and 6040h, changes 6040h under a mask and
+writes it); and on CORLR/arm_control_V2: user_code/arm_control/arm_control.c
+(hechuan_motor_setpos, canopen_init_hechuan: modes, ramps and moves by SDO alone, 10 ms per
+access). Nothing of it is copied."""
 import pytest
 from can_client import SdoAbort, START
 
-# Of the judge, with our reading.
+# Expected findings of the judge, with our explanation.
 FINDINGS = {
     "handshake-1": "arm_control raises bit 4 10 ms after it has dropped it, without a look at bit 12",
     "handshake-5": "after a fault it goes on with 001Fh, whatever 6041h shows",
@@ -45,12 +45,12 @@ class Sequencer:
         return next(state for state, mask, bits in STATES if word & mask == bits)
 
     def command(self, power_bits):
-        """The bits of the modes stay: they are the application's."""
+        """Write the power bits; the mode-specific bits belong to the application."""
         word = self.client.read(self.node, 0x6040)
         self.client.write(self.node, 0x6040, 0, word & ~POWER_BITS | power_bits, 2)
 
     def reach(self, *targets):
-        """The first target is the wanted state; each of them ends the way."""
+        """Step until one of the targets is reached; the first one is the wanted state."""
         commands = self.COMMANDS[targets[0]]
         last, deadline = None, 0.0
         while (state := self.state) not in targets:
@@ -62,7 +62,7 @@ class Sequencer:
             self.clock.cycle()
 
     def reset_fault(self):
-        """A pulse of bit 7, whose low edge is written in any case."""
+        """A pulse of bit 7, whose falling edge is written in any case."""
         assert self.state == "fault"
         self.command(0x80)
         self.clock.cycle()
@@ -80,7 +80,7 @@ def test_the_sequencer_reaches_each_of_its_targets(sequencer):
     for target in ("enabled", "switched on", "ready", "enabled", "switch on disabled"):
         sequencer.reach(target)
     sequencer.reach("enabled")
-    # 605Ah = 2: quick stop active lasts until the axis rests, here less than a step.
+    # 605Ah = 2: Quick stop active lasts until the axis is at rest, here less than a step.
     sequencer.reach("quick stop", "switch on disabled")
     sequencer.reach("switch on disabled")
 
@@ -106,7 +106,7 @@ def test_the_sequencer_resets_a_fault_once_it_is_asked_to(sequencer, client, clo
 
 
 class PollingArm:
-    """A joint of the arm: everything by SDO, and no look at what a write is answered."""
+    """A joint of the arm: SDO only, and the result of a write is not checked."""
 
     def __init__(self, client, clock, node):
         self.client, self.clock, self.node = client, clock, node
@@ -117,7 +117,7 @@ class PollingArm:
             self.client.write(self.node, index, 0, value, size)
         except SdoAbort as abort:
             self.aborts.append(abort.code)
-        self.clock.cycle()  # its client waits 10 ms in each access
+        self.clock.cycle()  # its client waits 10 ms per access
 
     def read(self, index, signed=False):
         value = self.client.read(self.node, index, signed=signed)
@@ -169,14 +169,15 @@ def test_the_arm_goes_on_after_a_fault(arm, client, clock, node):
     while not arm.read(0x6041) & FAULT:
         assert clock.now < deadline
     client.write(node, 0x5E02, 0, 0, 1)
-    # It resets, and tries to enable by 000Fh alone: the drive takes that in Switch on disabled.
+    # It resets the fault and tries to enable with 000Fh alone, which the drive takes in Switch on
+    # disabled.
     while not arm.set_position(2000):
         assert clock.now < deadline
     arrive(arm, 2000)
 
 
 def test_a_write_of_a_wrong_length_is_answered_and_changes_nothing(arm, client, node):
-    # The earlier version of the arm writes 6081h with 3 bytes, 6060h with 2.
+    # The earlier version of the arm writes 6081h with 3 bytes and 6060h with 2.
     before = client.read(node, 0x6081)
     arm.write(0x6081, 0x0C3500, 3)
     arm.write(0x6060, 1, 2)

@@ -1,17 +1,17 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The drive manager of a LinuxCNC controller, cycle by cycle: goal states, homing and moves on request.
+"""The drive manager of a LinuxCNC controller, cycle by cycle: goal states, homing and moves on
+request.
 
-Read in tormach/hw_device_mgr: hw_device_mgr/cia_402/device.py (paths to a goal state, words that hold a
-state, requests to home and to move) and mgr/mgr.py (init, start in two steps, stop). It exchanges 6040h,
-6060h and 607Ah against 6041h, 6061h and 6064h in each cycle; the position is LinuxCNC's. Nothing of it
-is copied.
-"""
+Modelled on tormach/hw_device_mgr: hw_device_mgr/cia_402/device.py (paths to a goal state, words
+that hold a state, requests to home and to move) and mgr/mgr.py (init, start in two steps,
+stop). It exchanges 6040h, 6060h and 607Ah against 6041h, 6061h and 6064h in each cycle;
+LinuxCNC provides the position. Nothing of it is copied."""
 import struct
 
 import pytest
 from can_client import RPDO, START, SYNC, TPDO
 
-# Of the judge, with our reading.
+# Expected findings of the judge, with our explanation.
 FINDINGS = {}
 
 DISABLED, READY, SWITCHED_ON, ENABLED = "switch on disabled", "ready", "switched on", "enabled"
@@ -21,7 +21,7 @@ STATES = [  # mask and bits of the statusword
     (NOT_READY, 0x4F, 0x00), (DISABLED, 0x4F, 0x40), (READY, 0x6F, 0x21), (SWITCHED_ON, 0x6F, 0x23),
     (ENABLED, 0x6F, 0x27), (FAULT_REACTION, 0x4F, 0x0F), (FAULT, 0x4F, 0x08), (QUICK_STOP, 0x6F, 0x07)]
 
-# The controlword in each state on the way to a goal, and the one that holds the goal.
+# The controlword for each state on the way to a goal, and the one that holds the goal.
 COMMON = {NOT_READY: 0x00, FAULT_REACTION: 0x00, FAULT: 0x80, QUICK_STOP: 0x00}
 PATHS = {
     SWITCHED_ON: {**COMMON, ENABLED: 0x02, DISABLED: 0x06, READY: 0x07, SWITCHED_ON: 0x07},
@@ -65,7 +65,7 @@ class Manager:
         return next(state for state, mask, bits in STATES if word & mask == bits)
 
     def cycle(self):
-        """Feedback, faults, the next word and mode."""
+        """Evaluate feedback and faults; determine the next controlword and mode."""
         self.clock.cycle()
         word, mode, position = self.feedback
         state = self.state
@@ -81,7 +81,7 @@ class Manager:
         if self.mode_command == PP and self.begins_move:
             control |= START_BIT  # for one cycle
             self.begins_move = False
-        # LinuxCNC follows the axis while it does not command it.
+        # LinuxCNC tracks the axis while it does not command it.
         if mode != PP and not (mode == CSP and state == ENABLED):
             self.target = position
         self.acknowledged = self.acknowledged or (mode == PP and bool(word & MODE_SPECIFIC_1))
@@ -98,7 +98,7 @@ class Manager:
         self.run_until(lambda: self.state == goal)
 
     def start(self):
-        """Its start command: all drives to Switched on, then to Operation enabled."""
+        """The start command: all drives to Switched on, then to Operation enabled."""
         self.reach(SWITCHED_ON)
         self.reach(ENABLED)
 
@@ -148,7 +148,7 @@ def test_it_homes_on_request_and_returns_to_cyclic_position(manager, client, nod
 
 def test_it_streams_positions_once_it_is_enabled(manager):
     manager.start()
-    # 60C2h says 10 ms: steps of 20 UU are 2000 UU/s.
+    # 60C2h is 10 ms: steps of 20 UU are 2000 UU/s.
     begin = manager.target
     for step in range(1, 101):
         manager.target = begin + 20 * step
@@ -183,6 +183,6 @@ def test_sync_is_its_only_clock(manager, client):
     seen = client.received[TPDO + manager.node]
     for _ in range(10):
         manager.cycle()
-    # One TPDO a SYNC: the node sends nothing by itself.
+    # One TPDO per SYNC: the node sends nothing else.
     assert client.received[TPDO + manager.node] == seen + 10
     assert client.received[SYNC] == 0, "the own frames come back"

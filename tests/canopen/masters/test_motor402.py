@@ -1,16 +1,17 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The CiA 402 master of ROS 2, frame by frame: homing at its initialisation, halt whenever it idles.
+"""The CiA 402 master of ROS 2, frame by frame: homing during initialisation, halt whenever it
+idles.
 
-Read in ros-industrial/ros2_canopen: canopen_402_driver/src/motor.cpp (Motor402), command.cpp, state.cpp,
-default_homing_mode.cpp, include/canopen_402_driver/profiled_position_mode.hpp; PDOs, parameters and the
-period of 10 ms of canopen_tests/config/cia402/bus.yml. Nothing of it is copied.
-"""
+Modelled on ros-industrial/ros2_canopen: canopen_402_driver/src/motor.cpp (Motor402),
+command.cpp, state.cpp, default_homing_mode.cpp,
+include/canopen_402_driver/profiled_position_mode.hpp; PDOs, parameters and the period of 10 ms
+of canopen_tests/config/cia402/bus.yml. Nothing of it is copied."""
 import struct
 
 import pytest
 from can_client import NOT_VALID, RPDO, START, TPDO
 
-# Of the judge, with our reading.
+# Expected findings of the judge, with our explanation.
 FINDINGS = {
     "mode-1": "Motor402 commands halt whenever it idles, and writes 6060h during that halt: some drives refuse it",
 }
@@ -20,13 +21,13 @@ MODE_BITS, NEW_SET_POINT, IMMEDIATELY, START_HOMING = 0x0070, 0x0010, 0x0020, 0x
 FAULT_RESET, HALT = 0x0080, 0x0100
 REACHED, MODE_SPECIFIC_0, MODE_SPECIFIC_1 = 0x0400, 0x1000, 0x2000
 
-# Statusword without and with its bit 5, under the mask 006Fh.
+# Statusword with and without bit 5, under the mask 006Fh.
 STATES = {
     0x00: "not ready", 0x20: "not ready", 0x40: "switch on disabled", 0x60: "switch on disabled",
     0x21: "ready", 0x23: "switched on", 0x27: "enabled", 0x07: "quick stop",
     0x0F: "fault reaction", 0x2F: "fault reaction", 0x08: "fault", 0x28: "fault"}
 
-# On the way to enabled; each with the bits of the controlword that go up, and those that go down.
+# Steps to Operation enabled: the bits of the controlword to set, and those to clear.
 SHUTDOWN = (QUICK_STOP | ENABLE_VOLTAGE, FAULT_RESET | SWITCH_ON)
 STEPS = {
     "switch on disabled": ("ready", SHUTDOWN),
@@ -52,7 +53,7 @@ class Motor402:
         self.target, self.sent_target = None, None
         self.sent = []
 
-    # What the objects are: mapped ones come by PDO.
+    # Values of objects; mapped ones arrive by PDO.
 
     @property
     def statusword(self):
@@ -71,7 +72,7 @@ class Motor402:
         return STATES.get(self.statusword & 0x6F, "unknown")
 
     def configure(self):
-        """What the master writes at boot-up, in the order of the file of the bus."""
+        """The writes of the master at boot-up, in the order of the bus file."""
         client, node = self.client, self.node
         self.clock.boot()
         for index, sub, value, size in ((0x60C2, 1, 50, 1), (0x60C2, 2, -3, 1), (0x6081, 0, 1000, 4),
@@ -91,7 +92,7 @@ class Motor402:
     # Its cycle.
 
     def cycle(self):
-        """SYNC with the TPDOs; then it writes, as it does each period."""
+        """SYNC and its TPDOs, then the writes of each period."""
         self.clock.cycle()
         self.controlword |= HALT
         if self.state == "enabled":
@@ -105,7 +106,7 @@ class Motor402:
         self.client.send(RPDO + self.node, struct.pack("<Hb", word, self.mode_command))
 
     def write_mode(self):
-        """Set the bits of the mode. Return whether it is to move."""
+        """Set the mode-specific bits. Return whether the axis is to move."""
         if self.selected == 6:
             self.controlword = self.controlword & ~MODE_BITS | (START_HOMING if self.is_homing else 0)
             return self.is_homing
@@ -147,7 +148,7 @@ class Motor402:
         self.wait_until(lambda: self.mode == mode, 5.0, "mode switch timed out")
         self.selected, self.target, self.sent_target = mode, None, None
 
-    # What it does.
+    # Services.
 
     def init(self):
         self.controlword, self.resets_fault = 0, True
@@ -180,7 +181,7 @@ class Motor402:
         self.switch_state("enabled")
 
     def halt(self):
-        """Its service of this name is a quick stop."""
+        """The service of this name is a quick stop."""
         self.controlword = self.controlword & ~(FAULT_RESET | QUICK_STOP) | ENABLE_VOLTAGE
 
 
@@ -193,7 +194,7 @@ def motor(client, clock, node):
 
 def test_it_homes_at_its_initialisation_and_reaches_its_target(motor):
     motor.init()
-    # Halt while it idles: bit 8 in each word but those that home.
+    # Halt while it idles: bit 8 is set in each word except those that home.
     assert all(word & HALT for word in motor.sent if not word & START_HOMING)
     motor.switch_mode(1)
     motor.target = 300  # at 6083h = 2000 UU/s^2 it takes less than a second
@@ -205,11 +206,11 @@ def test_it_homes_at_its_initialisation_and_reaches_its_target(motor):
 
 
 def test_it_homes_by_a_search_of_the_index_pulse(motor, client, node):
-    # Method 34: the next index pulse in positive direction, at most a revolution away; the start is
-    # moved off the pulse on which the axis stands.
+    # Method 34: the next index pulse in positive direction, at most a revolution away. First, the
+    # axis is moved off the pulse it is on.
     client.write(node, 0x6098, 0, 34, 1)
     motor.init()
-    # The drive rests at home with its demand (6062h); the servo holds it within the window of bit 10.
+    # The demand (6062h) is exactly at home; the servo holds the axis within the window of bit 10.
     assert client.read(node, 0x6062, signed=True) == client.read(node, 0x607C, signed=True) == 0
     assert abs(motor.position) <= client.read(node, 0x6067)
     assert motor.state == "enabled"
@@ -236,5 +237,5 @@ def test_its_halt_is_a_quick_stop(motor):
     motor.target = 100000
     motor.wait_until(lambda: motor.position > 100, 5.0, "motion")
     motor.halt()
-    # 605Ah = 2: from Quick stop active to Switch on disabled by itself, at rest.
+    # 605Ah = 2: at rest, the drive changes from Quick stop active to Switch on disabled on its own.
     motor.wait_until(lambda: motor.state == "switch on disabled", 5.0, "quick stop")

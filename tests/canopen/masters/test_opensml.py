@@ -1,22 +1,22 @@
 # SPDX-License-Identifier: Apache-2.0
 """The function blocks of OpenSML, a motion library for PLCs, in a task of 10 ms.
 
-Read in feecat/OpenSML: src/OpenSML_Power.txt, OpenSML_Home.txt, OpenSML_ProfilePosition.txt,
-OpenSML_Stop.txt and OpenSML_Axis.txt (the process image). Nothing of it is copied.
-"""
+Modelled on feecat/OpenSML: src/OpenSML_Power.txt, OpenSML_Home.txt,
+OpenSML_ProfilePosition.txt, OpenSML_Stop.txt and OpenSML_Axis.txt (the process image). Nothing
+of it is copied."""
 import struct
 
 import pytest
 from can_client import RPDO, START, TPDO
 
-# Of the judge, with our reading.
+# Expected findings of the judge, with our explanation.
 FINDINGS = {}
 
-ERROR = 999  # of each block's own state
+ERROR = 999  # state of a block
 
 
 class Timer:
-    """TON: up once its input has been up for a time."""
+    """TON: true once its input has been true for a time."""
 
     def __init__(self, clock):
         self._clock, self._since = clock, None
@@ -51,7 +51,7 @@ class Axis:
         self.controlword = self.controlword & ~(1 << number) | is_up << number
 
     def exchange(self):
-        """The outputs of this cycle, and the inputs of the next one."""
+        """Write the outputs of this cycle and read the inputs of the next one."""
         self.client.send(RPDO + 0x100 + self.node, struct.pack("<I", self.velocity))
         self.client.send(RPDO + self.node, struct.pack("<Hbi", self.controlword, self.mode, self.target))
         self.clock.cycle()
@@ -84,7 +84,7 @@ class Power(Block):
                 self.go(10 if axis.bit(3) else 20)
         elif self.state == 10:
             axis.set(7, True)
-            if self.timer(True, self.TIME_OUT):  # it waits this out, too
+            if self.timer(True, self.TIME_OUT):  # always waits for the full time-out
                 axis.set(7, axis.bit(3))
                 self.go(ERROR if axis.bit(3) else 20)
         elif self.state in (20, 30, 40):
@@ -111,7 +111,7 @@ class Power(Block):
 
 
 class ModeBlock(Block):
-    """What Home and ProfilePosition have in common: the way into their mode."""
+    """The common part of Home and ProfilePosition: changing to their mode."""
 
     NUMBER = 0
 
@@ -197,7 +197,7 @@ class ProfilePosition(ModeBlock):
 
 
 def run(axis, calls, until, seconds=5.0):
-    """Cycles of the task: `calls()`, then the exchange, until a condition holds."""
+    """Run cycles of the task, each `calls()` and an exchange, until a condition holds."""
     deadline = axis.clock.deadline(seconds)
     while True:
         calls()
@@ -236,7 +236,7 @@ def test_profile_position_arrives_twice(axis, power):
     move = ProfilePosition(axis)
     run(axis, lambda: (power(True), move(True, False, 0, 20000)), lambda: move.state == 20)
     for target in (3000, -500):
-        # The edge of xExecute, held until the move is under way as a button is.
+        # A rising edge of xExecute, held until the move is in progress, as a push button would be.
         run(axis, lambda goal=target: (power(True), move(True, True, goal, 20000)), lambda: move.is_busy)
         run(axis, lambda goal=target: (power(True), move(True, False, goal, 20000)),
             lambda goal=target: move.is_done and axis.position == goal)

@@ -1,23 +1,24 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The CiA 402 profile of python-canopen, with its time-outs: states, modes, homing, reset of a fault.
+"""The CiA 402 profile of python-canopen, with its time-outs: states, modes, homing, reset of a
+fault.
 
-Read in canopen-python/canopen (christiansandberg/canopen): canopen/profiles/p402.py (BaseNode402),
-canopen/nmt.py (which state it knows) and canopen/pdo/base.py (what it uploads, when a PDO is periodic to
-it, and when it waits for a TPDO). Nothing of it is copied.
-"""
+Modelled on canopen-python/canopen (christiansandberg/canopen): canopen/profiles/p402.py
+(BaseNode402), canopen/nmt.py (how it tracks the NMT state) and canopen/pdo/base.py (the objects
+it uploads, when it considers a PDO periodic, and when it waits for a TPDO). Nothing of it is
+copied."""
 import pathlib
 import struct
 
 import pytest
 from can_client import NOT_VALID, PRE_OPERATIONAL, RPDO, START, TPDO, SdoAbort
 
-# Of the judge, with our reading.
+# Expected findings of the judge, with our explanation.
 FINDINGS = {}
 
 GUIDE = pathlib.Path(__file__).parents[3] / "docs" / "guides" / "canopen.md"
-EVENT_TIMER = 100  # [ms] below the 0.2 s that it waits for a TPDO
+EVENT_TIMER = 100  # [ms] below the 0.2 s for which it waits for a TPDO
 
-# What it waits for [s].
+# Its time-outs [s].
 TIME_OF_A_TPDO, TIME_OF_A_STEP, TIME_OF_A_STATE, TIME_OF_A_MODE = 0.2, 0.4, 0.8, 0.5
 TIME_OF_A_RESET, TIME_OF_HOMING = 0.4, 30.0
 
@@ -66,7 +67,7 @@ class Pdo:
 class Node402:
     def __init__(self, client, clock, node):
         self.client, self.clock, self.node = client, clock, node
-        self.before = client.received.copy()  # it listens to PDOs from now on
+        self.before = client.received.copy()  # PDOs are monitored from now on
         assert client.read(node, 0x1000) & 0xFFFF == 0x0192  # CiA 402
         self.tpdos = [self.upload_pdo(0x1800 + place, has_timers=True) for place in range(4)]
         self.rpdos = [self.upload_pdo(0x1400 + place, has_timers=False) for place in range(4)]
@@ -83,16 +84,16 @@ class Node402:
         return Pdo(cob_id, transmission, [(entry >> 16, entry & 0xFF) for entry in entries])
 
     def is_periodic(self, pdo):
-        """Driven by SYNC, or received twice: it then has a period."""
+        """Whether it is driven by SYNC or has been received twice, which gives it a period."""
         return pdo.transmission <= 0xF0 or self.client.received[pdo.cob_id] - self.before[pdo.cob_id] >= 2
 
-    # TPDOs: the first enabled one that has the object.
+    # TPDOs: the first enabled one that contains the object.
 
     def first_with(self, pdos, index):
         return next((pdo for pdo in pdos if pdo.is_enabled and pdo.place_of(index) is not None), None)
 
     def latest(self, index, form):
-        """The value of the last TPDO that brought it; 0 before the first one."""
+        """The value in the last TPDO that contained it; 0 before the first one."""
         pdo = self.first_with(self.tpdos, index)
         data = self.client.latest.get(pdo.cob_id)
         if data is None:
@@ -116,7 +117,7 @@ class Node402:
         if self.is_periodic(pdo):
             self.wait_for_tpdo(pdo)
             return self.statusword
-        self.clock.cycle()  # the time that an SDO takes
+        self.clock.cycle()  # the duration of an SDO access
         return self.client.read(self.node, 0x6041)
 
     def transmit(self, index, form, value):
@@ -181,7 +182,7 @@ class Node402:
     def reset_from_fault(self):
         assert self.state == "FAULT"
         self.transmit(0x6040, "<H", 0x00)
-        # It always waits this out: the word above is no edge of bit 7.
+        # It always waits for the full time-out: the word above has no rising edge of bit 7.
         end = self.clock.now + TIME_OF_A_RESET
         while self.state == "FAULT" and self.clock.now <= end:
             self.check_statusword()
@@ -190,7 +191,8 @@ class Node402:
 
 @pytest.fixture(params=["event-driven", "SYNC"])
 def drive(request, client, clock, node):
-    """The profile on a node with the default PDOs, which are event-driven, or with all that SYNC drives."""
+    """The profile on a node with the default PDOs, which are event-driven, or with all PDOs driven
+    by SYNC."""
     clock.boot()
     if request.param == "event-driven":
         for communication in (0x1800, 0x1801):
@@ -224,7 +226,7 @@ def test_it_enables_step_by_step_and_disables(drive):
 
 
 def test_it_changes_modes_and_moves(drive, client, node):
-    # The mode comes with the controlword of its PDO.
+    # The PDO that contains the controlword also contains the mode.
     drive.set_op_mode("PROFILED POSITION")
     drive.set_state("OPERATION ENABLED")
     assert drive.op_mode == MODES["PROFILED POSITION"]
@@ -263,11 +265,11 @@ def test_a_mode_that_the_drive_does_not_have_is_refused(drive, client, node):
     assert refusal.value.code == 0x06090030
 
 
-# The guide's lines, in the place of `import canopen` with what is read above.
+# The guide's example, with the classes above in place of `import canopen`.
 
 class Objects:
-    """`node.sdo[index]` and `node.sdo[index][sub]`, whose `raw` is read and written with the length that
-    the object has."""
+    """`node.sdo[index]` and `node.sdo[index][sub]`, whose `raw` is read and written with the
+    length of the object."""
 
     def __init__(self, client, node, index=None, sub=0):
         self.client, self.node, self.index, self.sub = client, node, index, sub
@@ -286,7 +288,7 @@ class Objects:
 
 
 class Nmt:
-    """The state that it has commanded; it begins with one in which it sets up no node."""
+    """The last commanded state; initially one in which it does not set up nodes."""
 
     COMMANDS = {"PRE-OPERATIONAL": PRE_OPERATIONAL, "OPERATIONAL": START}
 
@@ -325,7 +327,7 @@ class BaseNode402:
 
 
 class Library:
-    """What `import canopen` gives to the lines, on the bus of a test."""
+    """Replaces `import canopen` for the example, on the bus of a test."""
 
     BaseNode402 = BaseNode402
 
