@@ -116,8 +116,7 @@ TEST(SteppedBridge, LetsAMasterMeetTheHabitsOfADrive) {
   EXPECT_EQ(bus.statusword(1) & 0x6F, 0x23) << "Switched on";
   bus.sync(30);
   EXPECT_EQ(bus.statusword(1) & kStateBits, kShowsEnabled);
-  ASSERT_EQ(bus.master().download(1, {0x5E20, 5}, 2, 1),
-            AbortCode::none);  // no mode changes while enabled
+  ASSERT_EQ(bus.master().download(1, {0x5E20, 5}, 2, 1), AbortCode::none);  // no mode change now
   EXPECT_EQ(bus.master().download(1, kMode, 3, 1), AbortCode::refused_in_present_device_state);
   EXPECT_EQ(bus.master().download(1, {0x5E20, 12}, 1, 2), AbortCode::value_range_exceeded);
 }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What `vdrive describe` makes of what it has read.
+// The output of `vdrive describe` for given readings.
 #include "output/axis_description.hpp"
 
 #include "vdrive/dictionary/dictionary.hpp"
@@ -20,7 +20,7 @@ using testing::SizeIs;
 
 constexpr ObjectAddress kNewestError{0x1003, 1};
 
-/// Every described object with its default.
+/// @return the default of every object that is described.
 client::Readings default_readings() {
   client::Readings readings{.tick = 7, .objects = {}};
   for (const ObjectAddress& object : described_objects()) {
@@ -53,7 +53,7 @@ TEST(AxisDescription, NeedsTwoRequests) {
   EXPECT_THAT(described_objects(), SizeIs(Le(2 * client::kMostObjectsAtOnce)));
 }
 
-// The high word of an error field is free for a manufacturer.
+// The high word of an error field is manufacturer-specific.
 TEST(AxisDescription, TakesTheLastFaultFromTheHistoryElseFromTheErrorCode) {
   client::AxisSnapshot status;
   client::Readings readings = default_readings();

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// `vdrive bench`: private benches over DDS, nothing left behind.
+// `vdrive bench`: private benches over DDS, all of which end.
 #include "tool/json_lines.hpp"
 #include "tool/marked_calls.hpp"
 #include "tool/process.hpp"
@@ -22,11 +22,11 @@ TEST_F(Measurement, FindsTheCapacityOfTheMachine) {
   ASSERT_EQ(finished.code, 0) << finished.errors;
   ASSERT_THAT(finished.lines(), SizeIs(1));
   const Json figures = Json::parse(finished.lines()[0]);
-  // A second has 1,000 ticks; a busy machine makes fewer, and all of them late.
+  // A second has 1,000 ticks; on a busy machine it has fewer, all of them late.
   EXPECT_GT(figures["lateness_of_ticks"]["max_us"], 0.0);
   EXPECT_GT(figures["lateness_of_a_bare_loop"]["max_us"], 0.0);
   EXPECT_GT(figures["steps"]["per_second"], 10.0);
-  // No processor steps an axis in less than 1 ns, and no machine needs 1 ms.
+  // Stepping an axis takes more than 1 ns on any processor, and less than 1 ms on any machine.
   EXPECT_GT(figures["tick_of_an_axis_ns"], 1.0);
   EXPECT_LT(figures["tick_of_an_axis_ns"], 1.0e6);
   EXPECT_EQ(figures["status"][0]["axes"], 64);

@@ -17,7 +17,7 @@
 namespace vdrive::test {
 namespace {
 
-/// A file in memory in place of a standard stream, until its end.
+/// Replaces a standard stream by a file in memory for the lifetime of the object.
 class StreamInMemory {
  public:
   StreamInMemory(int stream, const std::string& content)
@@ -52,7 +52,7 @@ class StreamInMemory {
   int memory_;
 };
 
-/// Standard input from its beginning, also after it was read to the end.
+/// Standard input from memory; can be read again after an earlier end of file.
 class InputInMemory {
  public:
   explicit InputInMemory(const std::string& content) : stream_(STDIN_FILENO, content) { rewind(); }
@@ -64,7 +64,7 @@ class InputInMemory {
 
  private:
   static void rewind() {
-    (void)std::fflush(stdin);  // drops what was read ahead
+    (void)std::fflush(stdin);  // drops the read-ahead
     std::clearerr(stdin);
     std::cin.clear();
   }
@@ -72,7 +72,8 @@ class InputInMemory {
   StreamInMemory stream_;
 };
 
-/// The tool blocks signals for its process, which here is the one of the tests.
+/// Restores the signal mask: the tool blocks signals in its process, which here is the process of
+/// the tests.
 class SignalsKept {
  public:
   SignalsKept() { pthread_sigmask(SIG_BLOCK, nullptr, &mask_); }

@@ -9,16 +9,16 @@
 
 namespace vdrive::test {
 
-/// Calls the tool for the benches of BenchOnWire: inside this process, with its standard streams
-/// from and to memory, or over DDS as a program.
+/// Calls the tool for the benches of BenchOnWire: either in this process, with its standard streams
+/// in memory, or as a program over DDS.
 /// @param words the command line, split at blanks
 [[nodiscard]] Finished call(const std::string& words, const std::string& input = "");
 
-/// The same with arguments as they are.
+/// The same with arguments that are not split.
 [[nodiscard]] Finished call(std::vector<std::string> arguments, const std::string& input = "");
 
-/// Runs a part of the tool with the standard streams of this process from and to memory.
-/// @return its exit code, and what it has written
+/// Runs a part of the tool in this process with its standard streams in memory.
+/// @return its exit code and output
 [[nodiscard]] Finished captured(const std::function<int()>& work, const std::string& input = "");
 
 }  // namespace vdrive::test

@@ -123,7 +123,7 @@ TEST(CommandLine, ListsTheSubIndicesOfAnIndex) {
             "the dictionary has no object '0x607D:7': 607Dh has sub-indices 1 and 2");
 }
 
-// 6060h of CiA 402-2: 5 is reserved.
+// CiA 402-2, 6060h: mode 5 is reserved.
 TEST(CommandLine, ListsTheOperatingModesWhereOneIsTakenOrShown) {
   for (const char* const object : {"op_mode_cmd", "0x6061"}) {
     const std::vector<std::string> lines =
@@ -137,7 +137,7 @@ TEST(CommandLine, ListsTheOperatingModesWhereOneIsTakenOrShown) {
   }
 }
 
-// 6098h of CiA 402-2: the methods that the drive has, of which these are some, and 0.
+// CiA 402-2, 6098h: 0 and the methods of the drive, some of which are tested here.
 TEST(CommandLine, ListsTheHomingMethodsWhereOneIsTaken) {
   const std::vector<std::string> lines =
       dictionary_lines(command<DictionaryCommand>("dictionary homing_method"));
@@ -163,7 +163,7 @@ TEST(CommandLine, SuggestsACommandAndADisturbance) {
               testing::EndsWith("'lcal' must be one of local, dds (did you mean 'local'?)"));
 }
 
-// CLI11 treats an empty value as none.
+// CLI11 takes an empty value for a missing one.
 TEST(CommandLine, RefusesAnEmptyValue) {
   EXPECT_EQ(refusal_of({"--security", "", "list"}), "--security: the value is empty");
   EXPECT_THAT(refusal_of({"--domain", "", "list"}), testing::StartsWith("--domain: "));
@@ -351,7 +351,7 @@ TEST(Recording, QuotesACsvFieldWhereNeeded) {
   EXPECT_EQ(recording::csv_field("the \"lift\""), "\"the \"\"lift\"\"\"");
 }
 
-// A new row is checked here without a test of its own.
+// Covers new rows without a test of their own.
 TEST(CommandTable, EachExampleIsReadAsItsCommand) {
   ASSERT_GT(commands().size(), 30U);
   for (const CommandRow* const row : commands()) {
@@ -366,7 +366,7 @@ TEST(CommandTable, EachExampleIsReadAsItsCommand) {
   }
 }
 
-// A group that stood in two parts would have its title before the first only.
+// A group in two places would show its title only above the first.
 TEST(CommandTable, HasTheCommandsOfAGroupSideBySide) {
   std::vector<CommandGroup> groups;
   for (const CommandRow* const row : commands()) {
@@ -420,7 +420,8 @@ TEST(CommandLine, ReadsHomeVelocityTorqueAndJog) {
       << "a scenario has no Enter key";
 }
 
-/// @return why the private benches of this command line cannot be; empty = they can.
+/// @return the reason for refusing the private benches of this command line; empty if they are
+///   valid.
 std::string refusal_of_benches(const std::string& text) {
   const Invocation invocation = parse(text);
   try {

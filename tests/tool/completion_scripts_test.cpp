@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The scripts of `vdrive completion`, executed by their shells.
+// Executes the scripts of `vdrive completion` in their shells.
 #include "support/test_domain.hpp"
 #include "tool/process.hpp"
 
@@ -21,7 +21,7 @@ std::string script(const std::string& shell) {
   return Process(VDRIVE_TOOL, {"completion", shell}).wait().output;
 }
 
-/// Executes the script and then a line of the shell, with the tool in PATH on this domain.
+/// Executes the script, then a line of the shell, with the tool in PATH on the domain of this test.
 std::vector<std::string> carried_out(const std::string& shell, const std::string& line) {
   const std::string program = "/usr/bin/" + shell;
   const std::string directory = std::filesystem::path(VDRIVE_TOOL).parent_path();
@@ -36,7 +36,7 @@ class CompletionScript : public testing::TestWithParam<std::string> {
     if (!std::filesystem::exists("/usr/bin/" + GetParam())) GTEST_SKIP() << "no " << GetParam();
   }
 
-  /// @param words of the command line behind `vdrive`, the last one unfinished and without quotes
+  /// @param words of the command line after `vdrive`; the last one is unfinished and unquoted
   [[nodiscard]] std::vector<std::string> offers(const std::string& words, int count) const {
     if (GetParam() == "bash") {
       return carried_out("bash", "\nCOMP_WORDS=(vdrive " + words +
@@ -44,7 +44,8 @@ class CompletionScript : public testing::TestWithParam<std::string> {
                                      "; _vdrive; printf '%s\\n' \"${COMPREPLY[@]}\"");
     }
     if (GetParam() == "fish") return carried_out("fish", "\ncomplete -C 'vdrive " + words + "'");
-    // What the completion system of zsh gives a function, and what the function calls.
+    // Stand-ins for the completion system of zsh: its setup, and the functions called by the
+    // script.
     std::string system = "compdef() { }\n_files() { }\ncompadd() { shift; print -l -- $@ }\n";
     return carried_out_zsh(system, words, count);
   }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// `vdrive describe`: one axis whole.
+// `vdrive describe`: everything about one axis.
 #include "support/bench_on_wire.hpp"
 #include "tool/call.hpp"
 #include "tool/json_lines.hpp"
@@ -32,7 +32,7 @@ class Describe : public testing::Test {
     return objects.empty() ? Json() : objects.front();
   }
 
-  /// @return the objects of the description that are called so.
+  /// @return the objects with this name in the description.
   static std::vector<Json> objects_called(const Json& description, const std::string& name) {
     std::vector<Json> found;
     std::ranges::copy_if(description["objects"], std::back_inserter(found),
@@ -58,7 +58,7 @@ TEST_F(Describe, ShowsBenchOwnerStateFaultAndModelOfAnAxis) {
                     HasSubstr("rated 3000 mN.m and 5000 mA")));
 }
 
-// 6081h has the default 68267.
+// The default of 6081h is 68267.
 TEST_F(Describe, ListsAnObjectWhileItDiffersFromItsDefault) {
   EXPECT_THAT(objects_called(description_of("1.1"), "profile_velocity"), IsEmpty());
   ASSERT_EQ(call("write 1.1 profile_velocity 1000").code, 0);
@@ -84,7 +84,7 @@ TEST_F(Describe, ListsAnObjectWhileItDiffersFromItsDefault) {
   EXPECT_THAT(objects_called(description_of("1.1"), "profile_velocity"), IsEmpty());
 }
 
-// 2310h is continuous over-current.
+// 2310h: continuous over-current.
 TEST_F(Describe, ShowsTheLastFaultWithTheTickOfItsEvent) {
   EXPECT_TRUE(description_of("1.1")["fault"].is_null());
   ASSERT_EQ(call("run -", "enable 1.1\ndisturb 1.1 over_current\nwait 5ms\n").code, 0);
@@ -98,7 +98,7 @@ TEST_F(Describe, ShowsTheLastFaultWithTheTickOfItsEvent) {
                            {"name", "continuous over-current"},
                            {"is_present", true},
                            {"tick", faults[0]["tick"]}}));
-  // While the cause persists the drive refuses the reset.
+  // The drive refuses the reset while the cause persists.
   ASSERT_EQ(call("disturb 1.1 none").code, 0);
   ASSERT_EQ(call("reset 1.1").code, 0);
   EXPECT_EQ(description_of("1.1")["fault"]["is_present"], false);
@@ -141,7 +141,7 @@ TEST_F(Describe, ShowsSeveralAxesAndRefusesUnknownOnes) {
 }
 
 TEST_F(Describe, NamesTheOwner) {
-  // The session of the scenario owns the axis while it describes it.
+  // The session of the scenario owns the axis that it describes.
   const Finished finished = call("run -", "enable 1.1\ndescribe 1.1\n");
   ASSERT_EQ(finished.code, 0) << finished.errors;
   EXPECT_THAT(finished.output,

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the doctor reports about a machine, from constructed readings.
+// The findings of the doctor for constructed readings of a machine.
 #include "diagnosis/checks.hpp"
 #include "vdrive_messages_description.hpp"
 
@@ -85,16 +85,16 @@ TEST(Doctor, NamesTheProgramOnThePortOfTheGateway) {
 
 TEST(Doctor, NamesADomainWithinTheEphemeralPorts) {
   GlobalOptions options;
-  options.domain = 101;  // ports 32650 to 32899; the kernel's begin at 32768
+  options.domain = 101;  // ports 32650 to 32899; the kernel's range begins at 32768
   const auto found = complaints(healthy(), options);
   ASSERT_EQ(found.size(), 1U);
   EXPECT_EQ(found[0].severity, Severity::hint);
   EXPECT_THAT(found[0].advice, HasSubstr("use a domain below 101"));
-  options.domain = 100;  // up to 32649
+  options.domain = 100;  // ports up to 32649
   EXPECT_TRUE(complaints(healthy(), options).empty());
 }
 
-/// What the doctor reports about the library.
+/// The doctor's finding about the library.
 Finding library_finding(const std::string& library, std::vector<std::string> interfaces) {
   HostReadings readings = healthy();
   readings.library = library;
@@ -191,7 +191,7 @@ client::BenchInfo bench_with_wire_starts(std::uint64_t starts) {
 }
 
 TEST(Doctor, ReportsTheRestartsOfTheNetworkProcessOfABench) {
-  // The first start is no restart.
+  // The first start does not count as a restart.
   const client::BenchInfo once = bench_with_wire_starts(2);
   const client::BenchInfo often = bench_with_wire_starts(5);
   for (const auto& [bench, words] :
@@ -215,7 +215,7 @@ TEST(Doctor, AcceptsANetworkProcessThatNeverEnded) {
 
 TEST(Doctor, ReportsTheSilenceOfAnOwner) {
   client::BenchInfo bench = bench_with_wire_starts(1);
-  bench.longest_silence = std::chrono::milliseconds{26};  // keep-alives come each 25 ms
+  bench.longest_silence = std::chrono::milliseconds{26};  // keep-alives are sent every 25 ms
   EXPECT_EQ(check_benches({&bench, 1}, {}).at(2).severity, Severity::good);
   bench.longest_silence = std::chrono::milliseconds{312};
   const Finding late = check_benches({&bench, 1}, {}).at(2);

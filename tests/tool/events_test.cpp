@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// `vdrive events`: the history of a bench.
+// `vdrive events`: the event history of a bench.
 #include "command_table.hpp"
 #include "support/bench_on_wire.hpp"
 #include "support/temporary_directory.hpp"
@@ -78,11 +78,11 @@ TEST_F(Events, OfAMissingBenchOrAxisAreNotFound) {
   EXPECT_EQ(call("events 1.7").code, 3);
 }
 
-/// Commands as they are meant to be used, one after the other, on a bench without a fault.
+/// Runs commands as intended, one after the other, on a bench without a fault.
 class HealthyBench : public testing::Test {
  protected:
-  /// Calls the commands; then the bench has refused nothing.
-  /// @return how many events it keeps.
+  /// Calls the commands and checks that the bench has refused nothing.
+  /// @return the number of events that it keeps.
   std::size_t call_all(const std::vector<std::string>& lines) {
     for (const std::string& line : lines) {
       const Finished finished = call(with_directory(line), kInput);
@@ -108,7 +108,7 @@ class HealthyBench : public testing::Test {
   }
 
  private:
-  static constexpr const char* kInput = "status 1.1\n";  // of a shell and a scenario
+  static constexpr const char* kInput = "status 1.1\n";  // for a shell and a scenario
 
   TemporaryDirectory directory_;
   std::set<std::string> called_;
@@ -169,8 +169,8 @@ TEST_F(HealthyBench, RefusesNothingOfAnyCommandOfTheTool) {
   (void)call_all({"step 10", "step 10 --steppers 1"});
   for (const tool::CommandRow* const row : tool::commands()) {
     const std::string name(row->face.name);
-    // The first three have benches of their own; doctor reads the network: tool_processes_test;
-    // judge reads a log: tool_judge_test.
+    // test, bench and demo start benches of their own; doctor reads the network
+    // (tool_processes_test); judge reads a log (tool_judge_test).
     const bool is_elsewhere =
         name == "test" || name == "bench" || name == "demo" || name == "doctor" || name == "judge";
     EXPECT_NE(called().contains(name), is_elsewhere) << name << " is not called";

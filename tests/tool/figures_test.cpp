@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The figures that `vdrive bench` calculates from its readings.
+// The results that `vdrive bench` calculates from its readings.
 #include "diagnosis/measurement.hpp"
 
 #include <gmock/gmock.h>
@@ -30,11 +30,11 @@ TEST(Lateness, CountsInTheBinsOfTheService) {
 
 TEST(Lateness, InterpolatesQuantilesInsideABin) {
   Lateness sut;
-  sut.bins[4] = 90;                            // from 8 to 16 us
-  sut.bins[7] = 10;                            // from 64 to 128 us
-  EXPECT_DOUBLE_EQ(sut.quantile(0.45), 12.0);  // half of the first bin
+  sut.bins[4] = 90;                            // 8 to 16 us
+  sut.bins[7] = 10;                            // 64 to 128 us
+  EXPECT_DOUBLE_EQ(sut.quantile(0.45), 12.0);  // middle of the first bin
   EXPECT_DOUBLE_EQ(sut.quantile(0.9), 16.0);
-  EXPECT_DOUBLE_EQ(sut.quantile(0.95), 96.0);  // half of the second one
+  EXPECT_DOUBLE_EQ(sut.quantile(0.95), 96.0);  // middle of the second one
   EXPECT_DOUBLE_EQ(sut.most(), 128.0);
 }
 
@@ -43,7 +43,7 @@ TEST(Lateness, WithoutTicksIsZero) {
   EXPECT_EQ(Lateness().most(), 0.0);
 }
 
-/// 50 ns for a tick of an axis: 20,000 of them in a millisecond.
+/// 50 ns per axis and tick: 20,000 of them fit into a millisecond.
 Measurement measurement() {
   Measurement measured;
   measured.bare.add(9us);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Journals of the real service, commanded by the real tool.
+// Journals of real services, commanded by the real tool.
 #include "support/test_domain.hpp"
 #include "tool/process.hpp"
 
@@ -18,7 +18,7 @@ namespace {
 using testing::HasSubstr;
 using testing::Not;
 
-/// The name of a file that this object removes at its end.
+/// The name of a file that the destructor removes.
 class JournalName {
  public:
   JournalName()
@@ -56,7 +56,7 @@ void expect_it_replays(const JournalName& journal, const std::string& text, int 
   }
 }
 
-// By whatever name: another path, a symbolic link, a second name of the file.
+// Under any name: another path, a symbolic link, a hard link.
 TEST(Journal, ThatAServiceWritesIsRefusedToAnother) {
   const JournalName journal;
   const std::string linked = journal.text() + ".link";
@@ -82,7 +82,7 @@ TEST(Journal, ThatAServiceWritesIsRefusedToAnother) {
   std::filesystem::remove(named);
 }
 
-/// Moves, disturbs, faults and resets, as users do.
+/// Moves axes, and injects and resets faults, as users do.
 void use() {
   for (const char* const words :
        {"enable 1.1", "enable 1.2", "move 1.1 100 --velocity 1000", "disturb 1.2 load_torque 500",
@@ -105,7 +105,7 @@ TEST(JournalOfTheService, RecordsInLockStepAndReplays) {
   expect_it_replays(journal, " ticks of 20 axes, ");
 }
 
-/// Clocks that run without steps.
+/// Clocks that run on their own, without steps.
 class JournalOfAClock : public testing::TestWithParam<std::string> {};
 
 TEST_P(JournalOfAClock, RecordsAndReplays) {
@@ -113,8 +113,8 @@ TEST_P(JournalOfAClock, RecordsAndReplays) {
   RunningService service("--axes 20 --clock " + GetParam() + journal.flag());
   use();
   service.stop();
-  // A freerun bench has run a million ticks and more in these seconds. Threads that meet in each of
-  // them on a busy machine would take minutes.
+  // In this time, a freerun bench has run a million ticks or more. On a busy machine, replaying
+  // them with threads that synchronise in each tick would take minutes.
   if (GetParam() == "freerun") {
     expect_it_replays(journal, " ticks of 20 axes, ", 0, {"1"});
   } else {

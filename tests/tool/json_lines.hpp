@@ -13,7 +13,7 @@ namespace vdrive::test {
 
 using Json = nlohmann::ordered_json;
 
-/// The output's lines, each of which has to be JSON.
+/// Parses the output, each line of which must be JSON.
 inline std::vector<Json> json_of(const Finished& finished) {
   std::vector<Json> objects;
   for (const std::string& line : finished.lines()) {
@@ -23,7 +23,7 @@ inline std::vector<Json> json_of(const Finished& finished) {
   return objects;
 }
 
-/// @return the keys in their order.
+/// @return the keys in order.
 inline std::vector<std::string> keys(const Json& json) {
   std::vector<std::string> names;
   for (const auto& [key, value] : json.items()) names.push_back(key);

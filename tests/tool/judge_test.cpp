@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// vdrive judge: reports, exceptions and exit codes, without a network.
+// vdrive judge without a network: reports, exceptions and exit codes.
 #include "base/usage_error.hpp"
 #include "command_table.hpp"
 #include "judge/rule.hpp"
@@ -240,7 +240,7 @@ TEST_F(JudgeCommandTest, WritesAPageThatNeedsNoOtherFile) {
   EXPECT_THAT(page, AllOf(HasSubstr("id=\"handshake-2-5\""), HasSubstr("href=\"#handshake-2-5\""),
                           HasSubstr("<svg "), HasSubstr("actual 6064h"), HasSubstr("target 607Ah"),
                           HasSubstr("class=\"place\""), HasSubstr("Not judged")));
-  // The name space of SVG is a name; nothing is loaded.
+  // The SVG namespace is only a name; no page is loaded from it.
   std::string rest = page;
   const std::string name_space = "xmlns=\"http://www.w3.org/2000/svg\"";
   for (std::size_t at = 0; (at = rest.find(name_space)) != std::string::npos;)
@@ -293,7 +293,7 @@ TEST_F(JudgeCommandTest, ListsTheRulesAsTheReferenceHasThem) {
   EXPECT_THAT(json_of(judge({"--rules", "--json"})), SizeIs(judge::rules().size()));
 }
 
-// The guide shows what the command prints.
+// The guide shows the output of the command.
 TEST_F(JudgeCommandTest, PrintsWhatTheGuideShows) {
   const std::string guide = content_of(VDRIVE_SOURCE_DIR "/docs/guides/judging.md");
   const std::string begin = "```\n$ vdrive judge docs/guides/one_move.candump\n";

@@ -85,7 +85,7 @@ TEST_F(JudgedScenarios, FailFromTheSeverityOnThatIsAskedFor) {
       "# judge: off state-2 because the tool sends the words up to Operation enabled at once\n";
   add("right", excepted + kRight);
   EXPECT_EQ(judge({"--fail-on", "warning"}).code, 0);
-  // It leaves its axis enabled: a warning.
+  // The scenario leaves its axis enabled, which is a warning.
   add("right", excepted + "enable 1.1\nmove 1.1 1000\n");
   EXPECT_EQ(judge().code, 0);
   EXPECT_EQ(judge({"--fail-on", "warning"}).code, 1);

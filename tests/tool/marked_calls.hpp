@@ -20,8 +20,8 @@
 
 namespace vdrive::test {
 
-/// Calls of the tool with files of their own. Their processes, and those that these start, are
-/// found by a variable of their environment.
+/// Calls of the tool with files of their own. An environment variable marks the processes of a
+/// call, including those it starts.
 class MarkedCalls : public testing::Test {
  protected:
   MarkedCalls() {
@@ -46,7 +46,7 @@ class MarkedCalls : public testing::Test {
     return {VDRIVE_TOOL, std::move(arguments)};
   }
 
-  /// @return a process of ours that has all of these in its command line.
+  /// @return a marked process whose command line contains all these words.
   [[nodiscard]] std::optional<pid_t> process_with(const std::vector<std::string>& words) const {
     for (const auto& entry : std::filesystem::directory_iterator("/proc")) {
       if (text_of(entry.path() / "environ").find(mark_) == std::string::npos) continue;
@@ -60,7 +60,7 @@ class MarkedCalls : public testing::Test {
     return std::nullopt;
   }
 
-  /// @return the process, once it is there.
+  /// @return the process once it exists; std::nullopt after a deadline.
   [[nodiscard]] std::optional<pid_t> wait_for_process(const std::vector<std::string>& words) const {
     std::optional<pid_t> found;
     static_cast<void>(holds_soon([&] {
@@ -70,7 +70,7 @@ class MarkedCalls : public testing::Test {
     return found;
   }
 
-  /// @return whether every process of the call ends within some time.
+  /// @return whether all processes of the call end soon.
   [[nodiscard]] bool all_have_ended() const {
     return holds_soon([this] {
       return !process_with({});

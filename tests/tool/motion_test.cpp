@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// home, velocity, torque, jog and commands to several axes.
+// home, velocity, torque, jog, and commands for several axes.
 #include "support/bench_on_wire.hpp"
 #include "support/temporary_directory.hpp"
 #include "tool/call.hpp"
@@ -53,7 +53,7 @@ TEST_F(MotionInLockStep, VelocityRunsUntilAVelocityOfZero) {
   EXPECT_EQ(value_of("1.1", "0x606B"), "0");
 }
 
-// Another program, which ends, has left 60FFh and the mode.
+// An earlier program has ended and left its 60FFh and mode.
 TEST_F(MotionInLockStep, EnableLetsAnAxisRestUnlessItIsToKeepItsTarget) {
   ASSERT_EQ(call("enable 1.1").code, 0);
   ASSERT_EQ(call("velocity 1.1 2048").code, 0);
@@ -87,7 +87,7 @@ TEST_F(MotionInLockStep, JogForATimeStopsAfterIt) {
   EXPECT_GT(nlohmann::json::parse(jogged.output)["position"], 500);
 }
 
-// 100,000 UU at 100 UU/s take 1000 s, of which 1 s is over.
+// 100,000 UU at 100 UU/s take 1000 s; the time-out ends 1 s of it.
 TEST_F(MotionInLockStep, ATimeoutSaysWhereTheAxisIsAndThatItGoesOn) {
   ASSERT_EQ(call("enable 1.1").code, 0);
   const Finished late = call("move 1.1 100000 --velocity 100 --timeout 1s");
@@ -101,8 +101,8 @@ TEST_F(MotionInLockStep, ATimeoutSaysWhereTheAxisIsAndThatItGoesOn) {
   EXPECT_EQ(call("halt 1.1").code, 0);
 }
 
-// At 1000 UU/s² the velocity is reached after 100 s. Free and running nothing would stop the axis,
-// and kept by a program that ends it would stop with fault 8130h after 500 ms.
+// At 1000 UU/s² the velocity is reached after 100 s. If the tool only released the axis, nothing
+// would stop it; if it ended while owning it, the axis would stop with fault 8130h after 500 ms.
 TEST_F(MotionInLockStep, AVelocityThatTakesTooLongSaysHowFarItCameAndHaltsTheAxis) {
   ASSERT_EQ(call("enable 1.1").code, 0);
   const Finished late = call("velocity 1.1 100000 --acceleration 1000 --timeout 1s");
@@ -126,7 +126,7 @@ TEST_F(MotionInLockStep, ATorqueThatTakesTooLongSaysHowFarItCameAndHaltsTheAxis)
   EXPECT_EQ(value_of("1.1", "0x603F"), "0");
 }
 
-// No switch comes: the run goes on after the command.
+// There is no switch to find, so homing continues after the command.
 TEST_F(MotionInLockStep, AHomingRunThatTakesTooLongSaysHowToStopIt) {
   ASSERT_EQ(call("enable 1.1").code, 0);
   const Finished late = call("home 1.1 --method 17 --speed 100 --creep 100 --timeout 1s");

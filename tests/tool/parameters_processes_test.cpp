@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Stored parameters of a service over kills and restarts, in a journal, and with two services.
+// Stored parameters of a service: across kills and restarts, in a journal, and with two services.
 #include "support/effort.hpp"
 #include "support/temporary_directory.hpp"
 #include "support/test_domain.hpp"
@@ -34,7 +34,7 @@ class StoredParameters : public testing::Test {
     return directory.path() / ("bench-1.parameters" + suffix);
   }
 
-  /// @return when the file and the one beside it were written.
+  /// @return when the file and its successor under construction were written.
   [[nodiscard]] std::array<fs::file_time_type, 2> stamps() const {
     std::error_code none;
     return {fs::last_write_time(file(), none), fs::last_write_time(file(".new"), none)};
@@ -134,13 +134,13 @@ TEST_F(StoredParameters, SurviveAKillOfTheServiceDuringASave) {
     expect_done("write 1.1 profile_velocity " + std::to_string(round));
     const auto before = stamps();
     Process store(VDRIVE_TOOL, tool_arguments("store 1.1 --timeout 2"));
-    // As soon as a file changes: in the middle of the save.
+    // As soon as a file changes, which is in the middle of the save.
     const auto deadline = std::chrono::steady_clock::now() + std::chrono::seconds(20);
     while (stamps() == before && std::chrono::steady_clock::now() < deadline) {
     }
     service.kill();
     const bool is_acknowledged = store.wait().code == 0;
-    // What was not acknowledged may be there or not, but in full.
+    // An unacknowledged value may or may not be stored, but never in part.
     const RunningService next(flags("realtime"));
     const int kept = shown_velocity();
     EXPECT_TRUE(kept == round || (kept == saved && !is_acknowledged)) << "round " << round;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Stored parameters: stored and read by commands.
+// Stored parameters, stored and read by commands.
 #include "support/bench_on_wire.hpp"
 #include "support/temporary_directory.hpp"
 #include "tool/call.hpp"

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The reduction of samples to a picture, and the picture.
+// Reducing samples to pixels, and drawing them.
 #include "output/plot_picture.hpp"
 
 #include "base/usage_error.hpp"
@@ -71,7 +71,7 @@ TEST(PlotColumns, OfOneQuantityShareAPanel) {
   EXPECT_EQ(count_panels(parse_plot_columns("error_code,op_mode_actual")), 2U);
 }
 
-// Ten samples a column of pixels: 1000 samples in 100 columns.
+// Ten samples per pixel column: 1000 samples in 100 columns.
 TEST(PlotReduction, KeepsThePeakOfEachColumnOfPixelsInItsTick) {
   PlotReduction reduction(parse_plot_columns("position"), 0, 999, 100);
   for (std::uint64_t tick = 0; tick < 1'000; ++tick) {
@@ -88,7 +88,7 @@ TEST(PlotReduction, KeepsThePeakOfEachColumnOfPixelsInItsTick) {
   EXPECT_TRUE(std::ranges::is_sorted(points, {}, &PlotPoint::tick));
 }
 
-// Fewer samples than columns of pixels.
+// Fewer samples than pixel columns.
 TEST(PlotReduction, KeepsEverySampleOfAShortRecording) {
   PlotReduction reduction(parse_plot_columns("position"), 10, 14, 800);
   for (const std::uint64_t tick : {10U, 11U, 13U, 14U}) {
@@ -117,7 +117,7 @@ TEST(PlotReduction, PassesOverSamplesOutsideOfTheEdges) {
   EXPECT_EQ(traces.traces.at(0).points.back(), (PlotPoint{7, 7}));
 }
 
-// All ticks are in one column of pixels; the fault lasts one tick.
+// All ticks share one pixel column; the fault lasts one tick.
 TEST(PlotReduction, ShowsAFaultThatIsShorterThanAPixel) {
   PlotReduction reduction(parse_plot_columns("position"), 0, 9, 1);
   for (std::uint64_t tick = 0; tick < 10; ++tick) {
@@ -193,7 +193,7 @@ TEST(PlotPicture, EscapesItsTexts) {
                     HasSubstr("&lt;/text&gt;"), Not(HasSubstr("<b>")), Not(HasSubstr("\x1B"))));
 }
 
-// Values that jump in each sample, and states that change in each: the most that can be drawn.
+// The worst case: values and states that change with each sample.
 TEST(PlotPicture, OfALongRecordingStaysSmall) {
   constexpr std::size_t kLimit = 300'000;  // bytes
   constexpr std::uint64_t kSamples = 200'000;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// `vdrive plot`: recordings as pictures.
+// `vdrive plot`: drawing recordings.
 #include "convert.hpp"
 #include "support/bench_on_wire.hpp"
 #include "support/temporary_directory.hpp"
@@ -31,8 +31,8 @@ class Plot : public testing::Test {
  protected:
   [[nodiscard]] std::string path(const std::string& name) const { return directory_.path() / name; }
 
-  /// A recording of `axes` axes of bench 1 called x1, x2, ... with a sample in each of the ticks
-  /// from 100 on, every axis at the position of the tick times its number.
+  /// @return a recording of `axes` axes of bench 1 named x1, x2, ... with a sample for each tick
+  ///   from 100 on. The position of each axis is the tick times its number.
   [[nodiscard]] std::string recording_of(const std::string& name, std::uint16_t axes,
                                          std::uint64_t samples) const {
     const std::string file = path(name);
@@ -66,7 +66,7 @@ class Plot : public testing::Test {
     return {std::istreambuf_iterator<char>(stream), {}};
   }
 
-  /// The exit code and the message of a call that draws nothing.
+  /// Expects a call to draw nothing, with this exit code and message.
   void expect_refused(const std::string& words, int code, const std::string& message) const {
     const Finished finished = call("plot " + words);
     EXPECT_EQ(finished.code, code) << words;
@@ -180,7 +180,7 @@ TEST_F(Plot, OfAnAxisRecordsItFirst) {
   const std::vector<Json> summary = json_of(drawn);
   ASSERT_THAT(summary, SizeIs(1));
   EXPECT_EQ(summary[0]["axis"], "1.1");
-  // At most 50 ticks of 1 ms; a busy machine may lose some of their samples.
+  // At most 50 ticks of 1 ms; some samples may be lost on a busy machine.
   const auto ticks =
       summary[0]["to_tick"].get<std::uint64_t>() - summary[0]["from_tick"].get<std::uint64_t>() + 1;
   EXPECT_LE(ticks, 50U);

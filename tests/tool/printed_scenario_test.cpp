@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the set-point model prints of a failing sequence is a scenario of the tool, line by line.
+// The failing sequence that the set-point model prints is a scenario of the tool, line by line.
 #include "command_table.hpp"
 #include "core/support/set_point_model.hpp"
 #include "core/support/set_point_sequences.hpp"

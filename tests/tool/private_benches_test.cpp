@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// `vdrive test` and `vdrive run --private`: a bench for each file, one report, nothing left behind.
-// The benches are in the processes of the files, or services (vdrive_run_over_dds).
+// `vdrive test` and `vdrive run --private`: a bench for each file, one report, no process left
+// over. The benches are either in the processes of the files or services (vdrive_run_over_dds).
 #include "support/bench_on_wire.hpp"
 #include "support/signals.hpp"
 #include "tool/json_lines.hpp"
@@ -27,7 +27,7 @@ using testing::HasSubstr;
 using testing::Not;
 using testing::SizeIs;
 
-/// On the wire of this run.
+/// Runs the private benches on the wire under test, local or DDS.
 class PrivateBenches : public MarkedCalls {
  protected:
   static Process start_on_wire(const std::string& command, std::vector<std::string> arguments) {
@@ -128,7 +128,7 @@ TEST_F(PrivateBenches, NameAMissingAxis) {
   EXPECT_THAT(finished.errors, HasSubstr("a.scn:1: "));
 }
 
-// A service manager gives its services this directory: it is not one of a bench of a test.
+// A service manager sets STATE_DIRECTORY for its services; a bench of a test must not use it.
 TEST_F(PrivateBenches, KeepNoParameters) {
   const std::string directory = file("state", "");
   std::filesystem::remove(directory);
@@ -149,7 +149,7 @@ TEST_F(PrivateBenches, OfRunAreNewForEachFile) {
   EXPECT_THAT(text_of(report()), HasSubstr("<testsuites tests=\"6\" failures=\"0\""));
 }
 
-// The bench, and with it its events, has gone when a person reads this.
+// By the time the user reads the message, the bench and its events are gone.
 TEST_F(PrivateBenches, GiveNoAdviceThatNeedsThemAfterTheirEnd) {
   const std::string faulted =
       file("fault.scn", "disturb 1.1 over_temperature\nwait 1.1 fault\nmove 1.1 5\n");
@@ -180,7 +180,7 @@ TEST_F(PrivateBenches, OfRunHaveTheAxesOfAllFilesBeforeTheFirstCommand) {
   EXPECT_THAT(finished.output, Not(HasSubstr("enable 1.1")));
 }
 
-// Its drive time is long: it runs until it is ended.
+// So long in drive time that it runs until it is ended.
 constexpr const char* kLong =
     "enable 1.1\nmove 1.1 1000000 --velocity 1 --timeout 3600000\nfinally\ndisable 1.1\n";
 
@@ -226,7 +226,7 @@ TEST_F(PrivateBenches, OfRunThatCrashFailTheirFileAlone) {
   }
 }
 
-// As the files of `run` without --private: what changes meanwhile, and what can be read once only.
+// As with `run` without --private: a file may change later, and a pipe can be read only once.
 TEST_F(PrivateBenches, OfRunCarryOutWhatWasReadAtTheStart) {
   const std::string last = file("last.scn", "expect 1.1 position 0\n");
   Process call(VDRIVE_TOOL,
@@ -254,7 +254,7 @@ TEST_F(PrivateBenches, OfRunEndWithTheReaderOfItsOutput) {
   EXPECT_THAT(text_of(report()), AllOf(HasSubstr("a.scn"), Not(HasSubstr("b.scn"))));
 }
 
-/// Ends a call by a signal once its scenario runs.
+/// Ends a call by a signal while its scenario runs.
 class TestRunEndedBy : public PrivateBenches, public testing::WithParamInterface<int> {};
 
 TEST_P(TestRunEndedBy, ASignalLeavesNoProcessBehind) {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Domains of private benches: exclusive on the machine, whoever uses it. In a network namespace of
-// its own: the domains of other tests stay free.
+// Domains of private benches are exclusive on a machine, across users. The tests run in a network
+// namespace, so they do not occupy the domains of other tests.
 #include "private_domain.hpp"
 
 #include "support/signals.hpp"
@@ -48,7 +48,8 @@ void open_loopback() {
   ioctl(control.get(), SIOCSIFFLAGS, &request);  // NOLINT(*-vararg): the only interface there is
 }
 
-/// Claims some domains. @return their numbers.
+/// Claims some domains.
+/// @return their numbers.
 std::set<std::uint32_t> claim(std::vector<std::unique_ptr<PrivateDomain>>& kept,
                               std::size_t count) {
   std::set<std::uint32_t> numbers;
@@ -59,10 +60,10 @@ std::set<std::uint32_t> claim(std::vector<std::unique_ptr<PrivateDomain>>& kept,
   return numbers;
 }
 
-/// Another user who does something, and then waits for the end of this object.
+/// A process of another user that calls a function, then waits to be killed by the destructor.
 class Stranger {
  public:
-  /// @param act @return the domains that it has
+  /// @param act returns the domains it has claimed
   explicit Stranger(const std::function<std::set<std::uint32_t>()>& act) {
     std::array<int, 2> pipe{};
     if (::pipe(pipe.data()) != 0) throw std::runtime_error("pipe");
@@ -93,7 +94,7 @@ class Stranger {
     if (setgid(kStranger) != 0 || setuid(kStranger) != 0) _exit(1);
     try {
       std::set<std::uint32_t> domains = act();
-      domains.insert(0);  // reported last, as the end
+      domains.insert(0);  // reported last, as an end mark
       for (auto domain = domains.rbegin(); domain != domains.rend(); ++domain) {
         if (write(result, &*domain, sizeof *domain) != sizeof *domain) _exit(1);
       }
@@ -107,12 +108,13 @@ class Stranger {
   std::set<std::uint32_t> domains_;
 };
 
-/// What a program does that takes the ports of all domains.
-/// @param is_shared as a participant of DDS has them
+/// Takes the ports of all domains, as another program might.
+/// @param is_shared with SO_REUSEADDR, as a DDS participant does
+/// @return the domains whose port was free
 std::set<std::uint32_t> occupy_all(bool is_shared) {
   std::set<std::uint32_t> domains;
   for (std::uint32_t i = 0; i < kAll; ++i) {
-    const int one = socket(AF_INET, SOCK_DGRAM, 0);  // open until the process ends
+    const int one = socket(AF_INET, SOCK_DGRAM, 0);  // stays open until the process ends
     const int value = is_shared ? 1 : 0;
     setsockopt(one, SOL_SOCKET, SO_REUSEADDR, &value, sizeof value);
     sockaddr_in address{};
@@ -148,7 +150,7 @@ class PrivateDomains : public testing::Test {
 TEST_F(PrivateDomains, OfTwoUsersDiffer) {
   std::vector<std::unique_ptr<PrivateDomain>> own;
   (void)claim(own, 8);
-  own.clear();  // what is left of them is in nobody's way
+  own.clear();  // what these leave behind must not disturb other users
   const Stranger stranger([] {
     static std::vector<std::unique_ptr<PrivateDomain>> kept;
     return claim(kept, kAll - PrivateDomain::kMostOfOneUser);
@@ -205,7 +207,7 @@ TEST_F(PrivateDomains, FollowNoLinkOfAStrangerInTheDirectoryForTemporaryFiles) {
 TEST_F(PrivateDomains, StayFreeOfOthersWhenTheirParticipantsHaveGone) {
   const PrivateDomain one;
   {
-    // As a participant of the domain, which shares the port.
+    // Like a participant of the domain, which shares the port.
     const Descriptor participant(socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0));
     const int value = 1;
     setsockopt(participant.get(), SOL_SOCKET, SO_REUSEADDR, &value, sizeof value);

@@ -27,7 +27,7 @@ namespace {
 using Clock = std::chrono::steady_clock;
 
 constexpr std::chrono::seconds kPatience{120};
-constexpr std::chrono::seconds kStart{60};  // of a service, on a busy machine
+constexpr std::chrono::seconds kStart{60};  // of a service on a busy machine
 
 std::vector<std::string> split(const std::string& words) {
   std::istringstream stream(words);
@@ -42,7 +42,8 @@ std::array<int, 2> make_pipe() {
   return ends;
 }
 
-/// Appends the available bytes. @return false at the end.
+/// Appends the available bytes.
+/// @return false at the end of file.
 bool read_some(int descriptor, std::string& text) {
   std::array<char, 4096> block{};
   const ssize_t count = read(descriptor, block.data(), block.size());
@@ -50,7 +51,7 @@ bool read_some(int descriptor, std::string& text) {
   return count > 0;
 }
 
-/// @return the number that these arguments give the bench, if they do.
+/// @return the bench number in these arguments, if any.
 std::optional<std::uint32_t> bench_of(const std::vector<std::string>& arguments) {
   const auto option = std::ranges::find(arguments, "--bench");
   if (option == arguments.end() || option + 1 == arguments.end()) return std::nullopt;
@@ -61,7 +62,7 @@ void close_if_open(int& descriptor) {
   if (descriptor >= 0) close(std::exchange(descriptor, -1));
 }
 
-/// @param ahead what was read behind the line before
+/// @param ahead bytes read beyond the previous line
 std::string line_of(int file, std::string& ahead) {
   std::size_t end = ahead.find('\n');
   while (end == std::string::npos && read_some(file, ahead)) end = ahead.find('\n');
@@ -71,8 +72,8 @@ std::string line_of(int file, std::string& ahead) {
   return line;
 }
 
-/// Reports a program that crashed, which its test may not ask: what it would have sent is missed by
-/// a deadline. tests/checks/failures.py reads the mark.
+/// Reports a program that crashed, since its test may not check its exit status and would only miss
+/// a deadline. tests/checks/failures.py reads this mark.
 void report_crash(const std::string& program, int status) {
   constexpr std::array kCrashes{SIGILL, SIGABRT, SIGBUS, SIGFPE, SIGSEGV};
   if (!WIFSIGNALED(status) || std::ranges::count(kCrashes, WTERMSIG(status)) == 0) return;
@@ -102,8 +103,8 @@ Process::Process(const std::string& program, std::vector<std::string> arguments,
   child_ = fork();
   if (child_ < 0) throw std::runtime_error("fork");
   if (child_ == 0) {
-    // A test that is killed, as by its time limit, ends the program: one that continued in
-    // the test's domain would disturb the next test there.
+    // A test that is killed, for example by its time limit, takes the program with it. Otherwise
+    // the program would disturb the next test in the same domain.
     prctl(PR_SET_PDEATHSIG, SIGKILL);
     dup2(in[0], STDIN_FILENO);
     dup2(out[1], STDOUT_FILENO);
@@ -153,7 +154,7 @@ Finished Process::wait() {
   Finished finished;
   finished.output = std::exchange(read_ahead_, {});
   finished.errors = std::exchange(errors_ahead_, {});
-  // A program that writes goes on: with each piece of output the patience begins anew.
+  // Each piece of output restarts the time limit, so a program that keeps writing may continue.
   auto deadline = Clock::now() + kPatience;
   std::array<pollfd, 2> open{pollfd{output_, POLLIN, 0}, pollfd{errors_, POLLIN, 0}};
   while (open[0].fd >= 0 || open[1].fd >= 0) {
@@ -199,7 +200,7 @@ RunningService::RunningService(const std::string& words)
   options.domain = test_domain();
   options.find_timeout = kStart;
   client::Session session(options);
-  // Beside other services only the one with this number is meant.
+  // Other services may be running, so look for this bench number if there is one.
   const auto bench = bench_of(split(words));
   const bool is_there =
       bench ? static_cast<bool>(session.find_bench(bench)) : !session.find_benches().empty();

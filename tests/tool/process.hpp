@@ -10,7 +10,7 @@
 
 namespace vdrive::test {
 
-/// The result of a program.
+/// The outcome of a program.
 struct Finished {
   int code = 0;  ///< exit code, or -signal
   std::string output;
@@ -21,11 +21,12 @@ struct Finished {
   [[nodiscard]] std::vector<std::string> lines() const;
 };
 
-/// A running program, its output in pipes; killed by the destructor unless it has ended.
+/// A running program whose output is read through pipes. The destructor kills it if it is still
+/// running.
 class Process {
  public:
   /// @param arguments without the program
-  /// @param input what it reads on standard input
+  /// @param input its standard input
   Process(const std::string& program, std::vector<std::string> arguments,
           const std::string& input = "");
   ~Process();
@@ -36,16 +37,18 @@ class Process {
 
   [[nodiscard]] pid_t id() const noexcept { return child_; }
 
-  /// Reads a line of its output. @return an empty string at the end.
+  /// Reads a line of its output.
+  /// @return an empty string at the end.
   std::string read_line();
 
-  /// Reads a line of its errors. @return an empty string at the end.
+  /// Reads a line of its standard error.
+  /// @return an empty string at the end.
   std::string read_error_line();
 
-  /// Closes our end of its output: its writes fail.
+  /// Closes the reading end of its output, so that its writes fail.
   void stop_reading();
 
-  /// Waits for the end, at most 120 s, then kills it.
+  /// Waits at most 120 s for the end, then kills it.
   Finished wait();
 
  private:
@@ -58,20 +61,21 @@ class Process {
   std::chrono::steady_clock::time_point start_;
 };
 
-/// Runs the tool on the domain of this test. @param words the command line, split at blanks
+/// Runs the tool on the domain of this test.
+/// @param words the command line, split at blanks
 [[nodiscard]] Finished tool(const std::string& words, const std::string& input = "");
 
-/// Runs the tool with arguments as they are, on the domain of this test.
+/// The same with arguments that are not split.
 [[nodiscard]] Finished tool(std::vector<std::string> arguments, const std::string& input = "");
 
-/// @return a tool that runs on the domain of this test until it ends.
+/// @return arguments of the tool for the domain of this test.
 [[nodiscard]] std::vector<std::string> tool_arguments(const std::string& words);
 
-/// A service of this build on the domain of this test, available after construction.
+/// A service of this build on the domain of this test. Its bench is available after construction.
 class RunningService {
  public:
-  /// @param words command line beside the domain, such as "--clock lockstep"; it logs nothing
-  ///        unless they name a --log-level, and then no more than a pipe holds
+  /// @param words command line without the domain, such as "--clock lockstep". Without --log-level
+  ///   it logs nothing; with it, it must not log more than a pipe holds.
   explicit RunningService(const std::string& words);
   ~RunningService();
   RunningService(const RunningService&) = delete;
@@ -79,13 +83,13 @@ class RunningService {
 
   [[nodiscard]] pid_t id() const noexcept { return process_.id(); }
 
-  /// Ends it as a user would.
+  /// Ends it as a user would, with SIGTERM.
   Finished stop();
 
   /// Kills it.
   void kill();
 
-  /// Pauses its process, and continues it.
+  /// Pause and resume its process.
   void freeze() const { process_.send(SIGSTOP); }
 
   void thaw() const { process_.send(SIGCONT); }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The line of progress of commands that last longer than a second, on a terminal and elsewhere.
+// The progress line of commands that last longer than a second, on a terminal and elsewhere.
 #include "support/temporary_directory.hpp"
 #include "tool/process.hpp"
 #include "tool/pseudo_terminal.hpp"
@@ -22,9 +22,9 @@ using testing::IsEmpty;
 using testing::Not;
 
 constexpr std::size_t kRowsOfProgress = 10;
-constexpr const char* kErasedRow = "\r\x1b[K";  // what takes the line of progress away
+constexpr const char* kErasedRow = "\r\x1b[K";  // removes the progress line
 
-/// A condition for PseudoTerminal::wait_until.
+/// @return a condition for PseudoTerminal::wait_until.
 auto has_row(const std::string& begin, const std::string& end = "") {
   return [begin, end](const Screen& screen) {
     const std::vector<std::string> rows = screen.rows();
@@ -39,7 +39,7 @@ std::string rows_on(const PseudoTerminal& terminal) {
          testing::PrintToString(terminal.output());
 }
 
-/// Two axes in real time; the first is enabled.
+/// Two axes in real time; the first one is enabled.
 class ProgressOnATerminal : public testing::Test {
  protected:
   void SetUp() override { ASSERT_EQ(tool("enable 1.1").code, 0); }
@@ -53,12 +53,12 @@ class ProgressOnATerminal : public testing::Test {
   }
 
  private:
-  // With a long watchdog time: the machine may be busy.
+  // With a long watchdog time, for busy machines.
   RunningService service_{"--clock realtime --axes 2 --config " VDRIVE_SOURCE_DIR
                           "/tests/data/patient.yaml"};
 };
 
-// 80,000 UU at 10,000 UU/s take 8 s: a second without a line, then seven with one.
+// 80,000 UU at 10,000 UU/s take 8 s: no line in the first second, then a line for seven.
 TEST_F(ProgressOnATerminal, OfAMoveIsOneLineThatIsRewrittenAndRemoved) {
   PseudoTerminal move(kRowsOfProgress, 100, "move 1.1 80000 --velocity 10000");
   ASSERT_TRUE(move.wait_until(has_row("axis 1.1: at ", " s more"))) << rows_on(move);
@@ -104,7 +104,8 @@ TEST_F(ProgressOnATerminal, OfAnExpectationNamesWhatIsChecked) {
       << rows_on(expect);
 }
 
-// The first axis brakes at 1,000 UU/s2 from 10,000 UU/s: 10 s; the second one rests already.
+// The first axis brakes from 10,000 UU/s at 1,000 UU/s2, which takes 10 s; the second one is at
+// rest.
 TEST_F(ProgressOnATerminal, OfSeveralAxesCountsThoseThatAreDone) {
   ASSERT_EQ(tool("enable 1.2").code, 0);
   ASSERT_EQ(tool("move 1.2 10").code, 0);

@@ -67,7 +67,7 @@ PseudoTerminal::~PseudoTerminal() {
   close(terminal_);
 }
 
-/// @return false at the end of the program.
+/// @return false once the program has ended.
 bool PseudoTerminal::read_some() {
   pollfd ready{terminal_, POLLIN, 0};
   if (poll(&ready, 1, kPollTime) == 0) return true;

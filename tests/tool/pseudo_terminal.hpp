@@ -12,11 +12,12 @@
 
 namespace vdrive::test {
 
-/// The tool on a terminal of its own, on the domain of this test. Killed by the destructor unless
-/// it has ended.
+/// The tool on a pseudo-terminal, on the domain of this test. The destructor kills it if it is
+/// still running.
 class PseudoTerminal {
  public:
-  /// @param environment variables such as "NO_COLOR=1"; TERM is xterm, NO_COLOR else unset
+  /// @param environment variables such as "NO_COLOR=1"; TERM is xterm, and NO_COLOR is unset by
+  ///   default
   PseudoTerminal(std::size_t rows, std::size_t columns, const std::string& words,
                  const std::vector<std::string>& environment = {});
   ~PseudoTerminal();
@@ -25,14 +26,14 @@ class PseudoTerminal {
 
   [[nodiscard]] const Screen& screen() const noexcept { return screen_; }
 
-  /// Everything that the program has sent.
+  /// All output of the program so far.
   [[nodiscard]] const std::string& output() const noexcept { return output_; }
 
-  /// Reads until the screen meets the condition. @return false after 60 s, and when the program has
-  /// ended.
+  /// Reads until the screen meets the condition.
+  /// @return false after 60 s, and if the program ends first.
   bool wait_until(const std::function<bool(const Screen&)>& is_wanted);
 
-  /// Another size, as when a window is dragged.
+  /// Changes the size, as when the window is dragged.
   void resize(std::size_t rows, std::size_t columns);
 
   /// Types these characters.
@@ -41,7 +42,8 @@ class PseudoTerminal {
   /// Types Ctrl-C.
   void interrupt();
 
-  /// Reads to the end. @return the exit code, or -signal.
+  /// Reads to the end.
+  /// @return the exit code, or -signal.
   int wait();
 
  private:

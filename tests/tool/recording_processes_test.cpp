@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// `vdrive record` beside other programs, and of services that end, freeze or stand still.
+// `vdrive record` together with other programs, and of services that end, freeze or stand still.
 #include "convert.hpp"
 #include "support/temporary_directory.hpp"
 #include "tool/json_lines.hpp"
@@ -30,7 +30,7 @@ using testing::Not;
 
 constexpr std::chrono::seconds kDeadline{60};
 
-/// A service, and a place for recordings.
+/// A service, and a directory for recordings.
 class McapRecordingOf {
  public:
   explicit McapRecordingOf(const std::string& words) : service_(words) {}
@@ -42,7 +42,7 @@ class McapRecordingOf {
   RunningService service_;
 };
 
-/// @return what the tool has shown on a terminal until Ctrl-C or its own end ended it.
+/// @return the tool's output on a terminal until it ended, on its own or by Ctrl-C (code 130).
 std::string shown_of(const std::string& words, const std::string& awaited, int code) {
   PseudoTerminal terminal(24, 100, words);
   static_cast<void>(terminal.wait_until([&](const Screen& /*screen*/) {
@@ -69,7 +69,7 @@ std::vector<std::string> lines_of(const std::string& path) {
   return lines;
 }
 
-/// The rows of a CSV recording by axis and tick, without what was missed before them.
+/// The rows of a CSV recording by axis and tick, without their column "missed".
 std::map<std::string, std::string> rows_of(const std::string& path) {
   std::map<std::string, std::string> rows;
   const auto lines = lines_of(path);
@@ -90,7 +90,7 @@ std::map<std::string, std::string> rows_of(const std::string& path) {
   return rows;
 }
 
-/// Waits some ticks until both files have data: then their recorders follow the stream.
+/// Steps until both files have data, that is, until their recorders receive the stream.
 void step_until_written(const std::vector<std::string>& files) {
   const auto end = std::chrono::steady_clock::now() + kDeadline;
   for (const std::string& file : files) {
@@ -135,7 +135,7 @@ TEST(McapRecording, HasTheValuesOfTheCsvOfTheSameRun) {
   EXPECT_EQ(contents["events_left_out"], summary["events"]);
   EXPECT_EQ(contents["parameters_left_out"], 2);
   EXPECT_TRUE(contents["cut"].is_null());
-  // The stream is best effort: each recorder may have lost some, and reports it.
+  // The stream is best effort: a recorder may lose samples, and reports it.
   const auto direct = rows_of(csv);
   const auto through = rows_of(back);
   std::size_t common = 0;
@@ -148,7 +148,7 @@ TEST(McapRecording, HasTheValuesOfTheCsvOfTheSameRun) {
   EXPECT_GE(common, 400U) << "of 2 axes in some 440 ticks";
   EXPECT_EQ(lines_of(back).front(), lines_of(csv).front());
 
-  // Converted and converted back: the text does not change.
+  // A round trip of conversions does not change the text.
   const std::string again = bench.file("again.mcap");
   const std::string last = bench.file("last.csv");
   ASSERT_EQ(tool("convert " + csv + " " + again).code, 0);
@@ -160,7 +160,7 @@ TEST(McapRecording, OfAKilledRecorderIsReadableUpToItsEnd) {
   const McapRecordingOf bench("--axes 2");
   const std::string mcap = bench.file("run.mcap");
   Process recorder(VDRIVE_TOOL, tool_arguments("record " + mcap));
-  // What was recorded is in the file a second later: then there are samples in it.
+  // The recorder writes its samples to the file within a second.
   const auto end = std::chrono::steady_clock::now() + kDeadline;
   const auto has_samples = [&] {
     return std::filesystem::exists(mcap) && std::filesystem::file_size(mcap) != 0 &&
@@ -180,7 +180,8 @@ TEST(McapRecording, OfAKilledRecorderIsReadableUpToItsEnd) {
 
 // ---- a bench that sends nothing ----------------------------------------------------------------
 
-/// Reads the errors of a recorder up to a line with `part`. @return that line, else all of them.
+/// Reads the errors of a recorder up to a line that contains `part`.
+/// @return that line; if there is none, all lines.
 std::string awaited_line(Process& recorder, const std::string& part) {
   std::string others;
   std::string line = recorder.read_error_line();
@@ -196,7 +197,8 @@ TEST(Recorder, WaitsForABenchWhoseTimeStandsStill) {
   const std::string file = bench.file("still.csv");
   Process recorder(VDRIVE_TOOL, tool_arguments("record " + file + " --count 5 --lost-after 1s"));
   step_until_written({file});
-  // Three seconds of wall time pass: no session steps, and a search for another bench times out.
+  // Three seconds of wall-clock time pass without a step, while a search for another bench times
+  // out.
   EXPECT_EQ(tool("status 9.1 --timeout 3").code, 3);
   for (int i = 0; i < 5; ++i) ASSERT_EQ(tool("step 1").code, 0);
   const Finished finished = recorder.wait();
@@ -215,7 +217,7 @@ TEST(Recorder, WaitsForASilentBenchAndCountsMissingSamples) {
   EXPECT_THAT(awaited_line(recorder, "sends nothing"),
               HasSubstr("bench 1 sends nothing: waiting 60 s for it"));
   service.thaw();
-  // It reports the next sample: the tool can step the service only after it is back.
+  // The recorder reports the next sample; the tool can step the service only once it is back.
   ASSERT_EQ(tool("step 3 --timeout 20").code, 0);
   EXPECT_THAT(awaited_line(recorder, "sends again"), HasSubstr("bench 1 sends again"));
   recorder.send(SIGINT);
@@ -223,13 +225,13 @@ TEST(Recorder, WaitsForASilentBenchAndCountsMissingSamples) {
   EXPECT_EQ(finished.code, 130) << finished.errors;
 }
 
-/// @return the ticks of the whole rows of a CSV recording that is being written.
+/// @return the ticks of the complete rows of a CSV recording in progress.
 std::vector<std::uint64_t> ticks_in(const std::string& csv) {
   std::ifstream file(csv);
   std::vector<std::uint64_t> ticks;
   std::string row;
-  std::getline(file, row);  // the names of the columns
-  // What is not ended by a line feed is not whole: eof() says so.
+  std::getline(file, row);  // the column names
+  // A row without a line feed is incomplete, in which case eof() is true.
   while (std::getline(file, row) && !file.eof()) {
     std::istringstream cells(row);
     std::string cell;
@@ -239,7 +241,7 @@ std::vector<std::uint64_t> ticks_in(const std::string& csv) {
   return ticks;
 }
 
-/// Waits until the recording has more rows than `rows`, while another program searches.
+/// Waits until the recording has more than `rows` rows, while another program searches for benches.
 /// @return their ticks.
 std::vector<std::uint64_t> wait_for_rows(const std::string& csv, std::size_t rows) {
   const auto end = std::chrono::steady_clock::now() + kDeadline;
@@ -252,11 +254,12 @@ std::vector<std::uint64_t> wait_for_rows(const std::string& csv, std::size_t row
   return ticks;
 }
 
-/// Freezes the service until the recorder misses it: the tick number jumps over that time. On a
-/// busy machine the recorder may have missed it before, so the time counts, too. The recording must
-/// not end by itself meanwhile: a search beside seven other tests takes up to a second.
+/// Freezes the service until the recorder reports it silent, and for 1.5 s at least, since on a
+/// busy machine the recorder may have reported it earlier. The tick number then jumps over that
+/// time. The recording must be long enough not to end before: with seven other tests running, a
+/// search takes up to a second.
 void let_the_tick_jump(const RunningService& service, Process& recorder, const std::string& file) {
-  // A recorder that has no sample yet does not wait for the bench, it fails.
+  // Without a sample, a recorder fails instead of waiting for the bench.
   ASSERT_FALSE(wait_for_rows(file, 0).empty());
   service.freeze();
   const auto frozen = std::chrono::steady_clock::now();
@@ -266,7 +269,7 @@ void let_the_tick_jump(const RunningService& service, Process& recorder, const s
   service.thaw();
 }
 
-// The service is away for 1.5 s of these 3 s of drive time, and adds them at the end.
+// The service is frozen for 1.5 s of these 3 s; the recorder adds them at the end.
 TEST(Recorder, LastsItsDriveTimeAcrossAJumpOfTheTickNumberAndNamesIt) {
   const RunningService service("--axes 1");
   const TemporaryDirectory directory;
@@ -277,7 +280,7 @@ TEST(Recorder, LastsItsDriveTimeAcrossAJumpOfTheTickNumberAndNamesIt) {
   ASSERT_EQ(finished.code, 0) << finished.errors;
   const Json summary = Json::parse(finished.lines().back());
   EXPECT_GE(summary["skipped"], 1'000) << finished.output;
-  // What was lost at the very end is not counted.
+  // Samples lost at the very end are not counted.
   EXPECT_GE(summary["samples"].get<int>() + summary["lost"].get<int>(), 2'900) << finished.output;
   EXPECT_LE(summary["samples"].get<int>() + summary["lost"].get<int>(), 3'001) << finished.output;
   ASSERT_FALSE(summary["jumps"].empty());
@@ -288,8 +291,8 @@ TEST(Recorder, LastsItsDriveTimeAcrossAJumpOfTheTickNumberAndNamesIt) {
   EXPECT_EQ(summary["jumps_left_out"], 0);
 }
 
-// Samples that come after the pause may still be some of before the jump: the recording goes on
-// until it has one of after it. It has no end of its own, which it could reach before.
+// Samples that arrive after the pause may have been sent before the jump. The recording therefore
+// continues until it has one from after the jump; it has no end of its own that might be earlier.
 TEST(Recorder, SaysInItsLastLineWhatAJumpSkipped) {
   const RunningService service("--axes 1");
   const TemporaryDirectory directory;
@@ -299,7 +302,7 @@ TEST(Recorder, SaysInItsLastLineWhatAJumpSkipped) {
   EXPECT_THAT(awaited_line(recorder, "sends again"), HasSubstr("bench 1 sends again"));
   const auto end = std::chrono::steady_clock::now() + kDeadline;
   auto ticks = ticks_in(file);
-  // The service was frozen for 1.5 s, and a tick takes 1 ms.
+  // The service was frozen for 1.5 s; a tick takes 1 ms.
   while (ticks.back() - ticks.front() < ticks.size() + 1'000) {
     ASSERT_LT(std::chrono::steady_clock::now(), end);
     ticks = wait_for_rows(file, ticks.size());

@@ -22,7 +22,7 @@ using testing::HasSubstr;
 using testing::IsEmpty;
 using testing::Not;
 
-/// A bench, and a place for recordings.
+/// A bench, and a directory for recordings.
 class McapRecordingOf {
  public:
   explicit McapRecordingOf(const std::string& words) : bench_(words) {}

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The output of the tool: JSON fields of docs/reference/json.md, text, the dictionary.
+// The output of the tool: JSON fields (docs/reference/json.md), text, the dictionary.
 #include "output/report.hpp"
 
 #include "base/usage_error.hpp"
@@ -128,7 +128,7 @@ TEST(StateText, HasStateThenErrorThenBits) {
   EXPECT_EQ(state_text(axis), "Fault 0x8611 following error");
   EXPECT_EQ(color_of(axis), Color::red);
   axis.status = {};
-  axis.status.ds402_statusword = 0x0AB7;  // bits 7 and 11 beside those of 0x0237
+  axis.status.ds402_statusword = 0x0AB7;  // bits 7 and 11 in addition to those of 0x0237
   EXPECT_EQ(state_text(axis), "Operation enabled: warning, internal limit active");
   EXPECT_EQ(color_of(axis), Color::yellow);
 }
@@ -237,7 +237,7 @@ TEST(ArrivalLine, HasTheTypedNameAndNoSpeed) {
   client::AxisSnapshot axis = moving_axis();
   axis.status.ds402_statusword = 0x0637;
   axis.status.load_velocity_actual_value = 15;
-  // -500 of 4096 are -43.945 of 360 deg.
+  // -500 of 4096 UU are -43.945 of 360 deg.
   EXPECT_EQ(arrival_line(axis, "gantry_left", {}),
             "gantry_left       -500 UU   -43.95 deg  0x637 Operation enabled: target reached");
   EXPECT_EQ(status_line(axis, "1.2", {}),
@@ -278,7 +278,7 @@ TEST(Dictionary, OfANodeIsAnElectronicDataSheet) {
   }
 }
 
-/// @return the DefaultValue of a section of a data sheet.
+/// @return the DefaultValue in a section of an electronic data sheet.
 std::string default_in(const std::vector<std::string>& lines, const std::string& section) {
   constexpr std::string_view kKey = "DefaultValue=";
   auto line = std::ranges::find(lines, "[" + section + "]");
@@ -286,7 +286,7 @@ std::string default_in(const std::vector<std::string>& lines, const std::string&
   return line == lines.end() ? "" : line->substr(kKey.size());
 }
 
-// Axis 2 of bench 1 has the serial number 65538, 0x10002.
+// Axis 2 of bench 1 has serial number 65538, 0x10002.
 TEST(Dictionary, OfOneNodeHasTheValuesOfItsAxisAfterPowerUp) {
   const auto lines = dictionary_lines({.format = TableFormat::eds, .node = 12, .axis_number = 2});
   EXPECT_EQ(default_in(lines, "1018sub4"), "0x00010002");
@@ -319,7 +319,7 @@ TEST(Dictionary, JsonHasEveryColumnOfTheRow) {
   EXPECT_EQ(row["title"], "设备类型");
 }
 
-// 1097 UU at 13 UU/s: 84.4 s.
+// 1097 UU at 13 UU/s take 84.4 s.
 TEST(MotionText, HasPlaceSpeedAndTheTimeThatIsLeft) {
   client::AxisSnapshot axis = moving_axis();
   axis.status.position_demand_value = 1'097;

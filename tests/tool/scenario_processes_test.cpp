@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Scenarios as processes: what ends a wait of theirs, and what an interrupt leaves to be done.
+// Scenarios as processes: events that end their waits, and the effects of an interrupt.
 #include "support/test_domain.hpp"
 #include "tool/json_lines.hpp"
 #include "tool/process.hpp"
@@ -21,10 +21,10 @@ using testing::HasSubstr;
 constexpr const char* kPatient =
     "--clock realtime --axes 2 --config " VDRIVE_SOURCE_DIR "/tests/data/patient.yaml";
 
-/// A scenario from standard input whose last line waits for a condition that never holds.
+/// A scenario on standard input whose last line waits for a condition that never holds.
 class WaitingScenario {
  public:
-  /// @param lines each of one output line; the last one waits
+  /// @param lines with one line of output each; the last one waits
   explicit WaitingScenario(const std::string& lines)
       : process_(VDRIVE_TOOL, tool_arguments("run - --json"), "enable 1.1\n" + lines) {
     (void)process_.read_line();  // of enable
@@ -72,7 +72,7 @@ TEST(WaitingExpect, EndsAtOnceWhenItsServiceRestarts) {
   EXPECT_THAT(finished.errors, HasSubstr("bench 1 "));
 }
 
-// The bench receives nothing from a stopped program and releases its axis.
+// Without messages from the stopped program, the bench releases its axis.
 TEST(WaitingExpect, EndsWhenTheWatchdogTakesItsAxis) {
   const RunningService service("--clock realtime --axes 2");
   client::SessionOptions options;

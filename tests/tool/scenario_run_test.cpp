@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Scenarios: final lines, several files; and `wait` and `expect` on the command line.
+// Scenarios: `finally` lines and several files; `wait` and `expect` on the command line.
 #include "support/bench_on_wire.hpp"
 #include "support/temporary_directory.hpp"
 #include "tool/call.hpp"
@@ -74,7 +74,7 @@ TEST(Clock, IsRestoredWhenAScenarioFails) {
   EXPECT_EQ(call("rate").output, "bench 1 realtime rate 2\n") << "a success changes what it sets";
 }
 
-/// Files of scenarios.
+/// Several scenario files.
 class SeveralFiles : public testing::Test {
  protected:
   std::string file(const std::string& name, const std::string& lines) {
@@ -120,7 +120,7 @@ TEST_F(SeveralFiles, AreAllCheckedBeforeTheFirstCommand) {
   EXPECT_EQ(status_of("1.1")["state"], "Switch on disabled");
 }
 
-// Eleven mistakes in two files, none of which the text alone shows.
+// Eleven mistakes in two files, none of which can be seen in the text alone.
 TEST_F(SeveralFiles, NameEveryAxisAndBenchThatIsNotThere) {
   const std::string one = file("a.scn",
                                "enable 1.1\nenable 1.9\nread lft 0x6041\nstep 1 --bench 8\n"
@@ -158,7 +158,7 @@ TEST_F(SeveralFiles, ShareTheVariablesOfTheCommandLine) {
   EXPECT_THAT(unknown.errors, HasSubstr("no file has a variable 'axes' (did you mean 'axis'?)"));
 }
 
-// The second of four lines fails; the last one is below `finally`. The axis stands at 0, enabled.
+// The second of four lines fails; the last one is below `finally`. The axis is enabled, at 0.
 TEST_F(SeveralFiles, ReportTheTickTheAxisAndTheNextStepOfAFailure) {
   const std::string failing =
       file("a.scn", "enable 1.1\nexpect 1.1 statusword 8 --mask 8\nmove 1.1 5\nfinally\nstep 1\n");
@@ -247,12 +247,12 @@ TEST_F(WaitAndExpect, PassOrReportTheValuesOfTheAxis) {
   EXPECT_THAT(call("wait 1.1 target_reachd").errors, HasSubstr("did you mean 'target_reached'?"));
 }
 
-/// The drive time of the bench so far, in ticks of 1 ms.
+/// The drive time of the bench, in ticks of 1 ms.
 std::uint64_t tick_now() {
   return nlohmann::json::parse(call("status 1.1 --json").output).at("tick").get<std::uint64_t>();
 }
 
-/// The tick of the last fault of axis 1.1, as its event has it.
+/// The tick of the last fault of axis 1.1, according to its event.
 std::string tick_of_last_fault() {
   std::string tick;
   for (const std::string& line : call("events 1.1 --json").lines()) {
@@ -262,7 +262,8 @@ std::string tick_of_last_fault() {
   return tick;
 }
 
-// 4310h disables the axis at once; it stands still, and 100 ms later nothing can come any more.
+// 4310h disables the axis immediately. It is at rest, and after 100 ms the condition can no longer
+// come true.
 TEST_F(WaitAndExpect, EndAtOnceOnAnAxisThatStaysInFault) {
   ASSERT_EQ(call("enable 1.1").code, 0);
   ASSERT_EQ(call("disturb 1.1 over_temperature").code, 0);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Scenario files: lines, comments, quotes, errors with their place; and the JUnit report.
+// Scenario files: lines, comments, quotes, errors with file and line; and the JUnit report.
 #include "language/scenario.hpp"
 
 #include "base/usage_error.hpp"
@@ -103,7 +103,7 @@ TEST(ScenarioFile, NamesAnObjectThatDoesNotExistAndAValueOutOfItsRange) {
             "test.scn:1: 2 is out of range: test_blocked_load has 0 to 1");
 }
 
-// Each line is another kind of mistake.
+// Each line is a different kind of mistake.
 TEST(ScenarioFile, NamesEveryMistakeWithFileAndLine) {
   const std::vector<std::string> wrong{"dance",
                                        "write 1.1 0x6060 300",
@@ -346,7 +346,7 @@ Expectation expectation_of(const std::string& object, const std::string& value) 
   return parse_expectation(object, std::vector<std::string>{value});
 }
 
-// 0x1637: Operation enabled, bits 4, 9, 10 and 12; 0x637 has bit 12 = 0. 0x218: Fault, 0x237:
+// 0x1637: Operation enabled with bits 4, 9, 10 and 12; in 0x637, bit 12 is 0. 0x218: Fault, 0x237:
 // enabled.
 TEST(ExpectationOfAWord, NamesTheStateAndTheBitsThatDiffer) {
   const auto position = OperatingMode::profile_position;

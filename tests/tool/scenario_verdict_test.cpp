@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What `vdrive test` concludes from the end of `vdrive run --json`, without a process.
+// The verdict of `vdrive test` on the outcome of `vdrive run --json`, without a process.
 #include "scenarios/scenario_verdict.hpp"
 
 #include <gmock/gmock.h>
@@ -12,7 +12,7 @@ using namespace std::chrono_literals;
 using testing::ElementsAre;
 using testing::IsEmpty;
 
-/// Lines 2 and 4 of a file do something.
+/// A file with commands in lines 2 and 4.
 Scenario scenario_of_two_lines() {
   Scenario scenario{.file = "lift.scn", .lines = {}, .variables = {}};
   scenario.lines.resize(2);
@@ -41,7 +41,7 @@ TEST(ScenarioVerdict, HasACaseForEachLineWithItsTime) {
   EXPECT_FALSE(sut.suite.cases[1].is_skipped);
 }
 
-// Such as of a pipe, which the process of the file finds empty.
+// For example a pipe, which is empty by the time the process of the file reads it.
 TEST(ScenarioVerdict, OfAFileWhoseLinesWereNotAllCarriedOutIsNoPass) {
   for (const std::string output : {R"({"line":2,"outcome":"ok"})", ""}) {
     const ScenarioVerdict sut =
@@ -126,14 +126,14 @@ TEST(ScenarioVerdict, TakesNoOutputOfACommandForAResult) {
   EXPECT_EQ(sut.suite.cases[1].output, printed);
 }
 
-// The kernel kills when memory runs out: that is no verdict on the file.
+// The kernel kills processes when memory runs out, which says nothing about the file.
 TEST(ScenarioVerdict, NamesTheSignalThatEndedTheProcess) {
   const ScenarioVerdict sut =
       verdict_of(scenario_of_two_lines(), {.code = -9, .output = "", .errors = "first\n"});
 
   EXPECT_EQ(sut.code, static_cast<int>(ExitCode::not_run));
   EXPECT_THAT(sut.messages, ElementsAre("first", "ended by signal 9"));
-  ASSERT_EQ(sut.suite.cases.size(), 1U);  // no line was carried out: the start is the case
+  ASSERT_EQ(sut.suite.cases.size(), 1U);  // no line was run: the start itself is the case
   EXPECT_EQ(sut.suite.cases[0].name, "start");
   EXPECT_EQ(sut.suite.cases[0].error, "ended by signal 9");
   EXPECT_EQ(sut.suite.cases[0].type, "not_run");

@@ -37,7 +37,7 @@ void Screen::take(std::string_view bytes) {
       grid().column = 0;
     } else if (c == '\n') {
       feed_line();
-    } else if ((static_cast<unsigned char>(c) & 0xC0U) != 0x80U) {  // not a continuation of UTF-8
+    } else if ((static_cast<unsigned char>(c) & 0xC0U) != 0x80U) {  // not a UTF-8 continuation byte
       put(c);
     }
   }
@@ -96,7 +96,7 @@ void Screen::apply(const std::string& sequence) {
     default:
       break;
   }
-  // Every sequence that the tool sends.
+  // All sequences that the tool sends.
   constexpr std::array<std::string_view, 15> kKnown{"[H",   "[1A",     "[K",      "[2K",   "[J",
                                                     "[0m",  "[1m",     "[31m",    "[32m",  "[33m",
                                                     "[36m", "[?1049h", "[?1049l", "[?25h", "[?25l"};

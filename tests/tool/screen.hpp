@@ -8,36 +8,36 @@
 
 namespace vdrive::test {
 
-/// A model of a terminal that shows the output of a program. It wraps at the right edge and
-/// scrolls at the lower one as xterm does, knows the sequences that the tool sends and notes every
-/// other one. A resize cuts rows off or adds blanks; it does not wrap again.
+/// A model of a terminal. It wraps lines at the right edge and scrolls at the bottom as xterm does,
+/// knows the escape sequences of the tool, and records all others. A resize crops rows or adds
+/// blanks; it does not rewrap.
 class Screen {
  public:
   Screen(std::size_t rows, std::size_t columns);
 
-  /// Output of the program. Every character takes one cell.
+  /// Processes output of the program. Every character takes one cell.
   void take(std::string_view bytes);
 
   void resize(std::size_t rows, std::size_t columns);
 
-  /// @return the text of each row, without blanks at its end.
+  /// @return the text of each row without trailing blanks.
   [[nodiscard]] std::vector<std::string> rows() const;
 
-  /// @return the colour in which the row begins, as SGR has it; 0 = none.
+  /// @return the SGR colour at the beginning of the row; 0 = none.
   [[nodiscard]] int color_of_row(std::size_t row) const;
 
-  /// Whether the alternate screen is shown.
+  /// @return whether the alternate screen is shown.
   [[nodiscard]] bool is_alternate() const noexcept { return is_alternate_; }
 
   [[nodiscard]] bool shows_cursor() const noexcept { return shows_cursor_; }
 
-  /// How often a row scrolled off the top of the shown screen, and how often text continued in
-  /// the next row because it was too long.
+  /// The number of rows that scrolled off the top of the current screen, and of lines that were too
+  /// long and wrapped.
   [[nodiscard]] std::size_t scrolled() const noexcept { return scrolled_; }
 
   [[nodiscard]] std::size_t wrapped() const noexcept { return wrapped_; }
 
-  /// Escape sequences that the model does not know.
+  /// Escape sequences unknown to the model.
   [[nodiscard]] const std::vector<std::string>& unknown() const noexcept { return unknown_; }
 
  private:
@@ -66,7 +66,7 @@ class Screen {
   std::size_t columns_;
   Grid main_;
   Grid alternate_;
-  std::string sequence_;  ///< that has begun
+  std::string sequence_;  ///< received so far
   int color_ = 0;
   bool is_alternate_ = false;
   bool shows_cursor_ = true;

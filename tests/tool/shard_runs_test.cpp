@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// `vdrive test --shard` and `--merge`: runs on private benches, divided and put together again.
+// `vdrive test --shard` and `--merge`: runs on private benches, divided and merged.
 #include "support/signals.hpp"
 #include "tool/json_lines.hpp"
 #include "tool/marked_calls.hpp"
@@ -34,7 +34,7 @@ class Shards : public MarkedCalls {
     std::ofstream(tests_ / (name + ".scn")) << lines;
   }
 
-  /// Runs one shard, with its report among the reports.
+  /// Runs one shard and adds its report to the reports.
   [[nodiscard]] Finished run(int number, int count, std::vector<std::string> more = {}) const {
     std::filesystem::create_directories(reports_);
     more.insert(more.begin(),
@@ -61,7 +61,7 @@ class Shards : public MarkedCalls {
     return reports_ / (std::to_string(number) + ".xml");
   }
 
-  /// The merged report.
+  /// @return the merged report without its times.
   [[nodiscard]] std::string merged() const {
     return std::regex_replace(text_of(report()), std::regex(R"re( time="[0-9.]+")re"), "");
   }
@@ -101,7 +101,7 @@ TEST_F(Shards, WithoutAFilePassWithAnEmptyReport) {
 }
 
 TEST_F(Shards, OfAFolderThatAClusterMountsHaveEachFileOnce) {
-  // As a ConfigMap: links to a folder whose name is another one on each machine.
+  // Like a mounted ConfigMap: links to a folder that has a different name on each machine.
   std::filesystem::create_directories(tests() / "..2026_11_30");
   std::filesystem::rename(tests() / "a.scn", tests() / "..2026_11_30" / "a.scn");
   std::filesystem::create_directory_symlink("..2026_11_30", tests() / "..data");
@@ -112,7 +112,7 @@ TEST_F(Shards, OfAFolderThatAClusterMountsHaveEachFileOnce) {
                                      HasSubstr("shard 1 of 5: 1 of 1 file passed")));
 }
 
-// A variable of one file is none that is mistyped on the machine of another one.
+// A variable that only the file of another shard has is not a typing error.
 TEST_F(Shards, KnowTheVariablesOfTheFilesOfOthers) {
   add("b", "let axis = 9.9\nexpect ${axis} position 0\n");
   EXPECT_EQ(run(1, 5, {"--set", "axis=1.1"}).code, 0);
@@ -204,7 +204,7 @@ TEST_F(Shards, AreNotMergedOfWhatIsNone) {
   }
 }
 
-// What failed fails again; what the machine did not give may be there the next time.
+// A failed test fails again; resources missing on one machine may be available the next time.
 TEST_F(Shards, TellAFailedTestFromAMachineThatDoesNotRunIt) {
   const std::string good = (tests() / "a.scn").string();
   const std::string bad = (tests() / "c.scn").string();

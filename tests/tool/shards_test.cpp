@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Scenarios that several machines share: which of them a shard has, and reports that are read
-// again. Nothing is run.
+// Scenarios shared by several machines: the selection of a shard, and reading reports back. Nothing
+// is run.
 #include "scenarios/shards.hpp"
 
 #include "base/usage_error.hpp"
@@ -24,7 +24,7 @@ using namespace std::chrono_literals;
 using testing::AllOf;
 using testing::HasSubstr;
 
-/// Variables of the environment, for as long as this lives; the others of a job are unset.
+/// Sets environment variables for the lifetime of the object; other job variables are unset.
 class JobVariables {
  public:
   explicit JobVariables(const std::map<std::string, std::string>& variables) {
@@ -51,6 +51,7 @@ class JobVariables {
 constexpr const char* kAccepted = "accepted";
 
 /// @param parse throws UsageError for a mistake
+/// @return its message
 template <typename Parse>
 std::string mistake_in_shards(Parse parse, const std::string& text) {
   try {
@@ -164,7 +165,7 @@ TEST(Shards, DoNotDependOnTheOrderInWhichTheFilesWereNamed) {
   EXPECT_EQ(files_of(2, 2, names), (std::vector<std::string>{"b.scn", "d.scn"}));
 }
 
-/// A report with everything that one may have.
+/// @return a report with every feature that a report may have.
 std::string whole_report() {
   const std::vector<JunitCase> cases{
       {.name = "line 1: wait 1s", .duration = 1'500'250us, .line = 1, .output = "<1>\n2 & 3\n"},

@@ -36,7 +36,7 @@ TEST_F(Shell, EndsAtOnceWhenItsStandardInputIsClosed) {
 
 class ShellEndedBy : public testing::TestWithParam<int> {};
 
-// The pipe stays open, so only the signal ends the shell; the failure of its line counts no more.
+// The pipe stays open, so only the signal ends the shell; the failed line no longer counts.
 TEST_P(ShellEndedBy, ASignalHasTheExitCodeOfAnInterrupt) {
   const RunningService service("--clock lockstep");
   const TemporaryDirectory directory;
@@ -58,7 +58,8 @@ INSTANTIATE_TEST_SUITE_P(Signals, ShellEndedBy, testing::Values(SIGINT, SIGTERM,
                            return sigabbrev_np(signal.param);
                          });
 
-// The command waits for an axis that nobody enables. A signal before it began has the same effect.
+// The command waits for an axis that is never enabled. A signal that arrives before the command
+// begins has the same effect.
 TEST(PipedShell, IsEndedByASignalToTheCommandThatRuns) {
   const RunningService service("--clock realtime");
   const TemporaryDirectory directory;
@@ -86,7 +87,7 @@ class ShellOnATerminal : public Shell {
     });
   }
 
-  /// Keys that are typed while a command runs are for the command.
+  /// Waits for the prompt after `text`, because keys typed earlier would go to the running command.
   bool shows_and_awaits_a_line(const std::string& text) {
     return terminal_.wait_until([&](const Screen& /*screen*/) {
       const std::size_t place = terminal_.output().rfind(text);
@@ -123,7 +124,7 @@ TEST_F(ShellOnATerminal, ContinuesAfterAnInterruptedCommand) {
   terminal_.type("enable 1.1\n");
   ASSERT_TRUE(shows_and_awaits_a_line("Operation enabled")) << terminal_.output();
   terminal_.type("move 1.1 1000000 --velocity 1 --timeout 3600000\n");
-  // The line is read, and the axis moves.
+  // The line has been read, and the axis moves.
   while (tool("status 1.1 --json").output.find("set-point acknowledge") == std::string::npos) {
   }
   terminal_.interrupt();
@@ -135,7 +136,7 @@ TEST_F(ShellOnATerminal, ContinuesAfterAnInterruptedCommand) {
   EXPECT_EQ(terminal_.wait(), 0);
 }
 
-// In lock-step the jog itself advances time. 13 is the code of the key.
+// In lock-step, the jog itself steps the bench. 13 is the character code of Enter.
 TEST(JogOnATerminal, StopsTheAxisOnEnter) {
   const RunningService service("--clock lockstep");
   ASSERT_EQ(tool("enable 1.1").code, 0);

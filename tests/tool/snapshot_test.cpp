@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Snapshots that commands take and restore.
+// Taking and restoring snapshots by command.
 #include "support/bench_on_wire.hpp"
 #include "tool/call.hpp"
 

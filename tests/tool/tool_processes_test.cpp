@@ -86,13 +86,13 @@ TEST_F(ToolInLockStep, AnInterruptedRunExitsWith130AndReleasesItsAxes) {
 TEST_F(ToolInLockStep, AClosedOutputPipeIsNotAnError) {
   Process watch(VDRIVE_TOOL, tool_arguments("watch 1.1 --json --count 3"));
   watch.stop_reading();
-  EXPECT_EQ(tool("step 5000").code, 0);  // the run has something to print
+  EXPECT_EQ(tool("step 5000").code, 0);  // so that watch has something to print
   const Finished finished = watch.wait();
   EXPECT_EQ(finished.code, 0);
   EXPECT_THAT(finished.errors, IsEmpty());
 }
 
-/// Runs the tool on a standard output whose writes fail as on a full disk.
+/// Runs the tool with /dev/full as standard output, where writes fail as on a full disk.
 Finished tool_on_full_disk(const std::string& words) {
   return Process("/bin/sh", {"-c", VDRIVE_TOOL " --domain " + std::to_string(test_domain()) + " " +
                                        words + " > /dev/full"})
@@ -121,7 +121,7 @@ TEST(ToolInRealtime, CommandsWithinHalfASecond) {
   const Finished moved = tool("move 1.1 1000 --json");
   EXPECT_EQ(moved.code, 0) << moved.errors;
   EXPECT_EQ(tool("step 1").code, 5);
-  // The median, because the machine may be busy with other tests.
+  // The median, since other tests may keep the machine busy.
   std::vector<std::chrono::milliseconds> durations;
   for (int i = 0; i < 7; ++i) durations.push_back(tool("read 1.1 0x6041").duration);
   std::ranges::sort(durations);
@@ -141,7 +141,7 @@ TEST(ToolInRealtime, WatchStreamsWhileAnotherCallMoves) {
             samples.back()["load_position_actual_value"]);
 }
 
-/// A service in real time and another terminal, in which axis 1.1 moves to a far target.
+/// A service in real time, and another terminal where axis 1.1 moves to a distant target.
 class MoveOfAnotherProgram : public testing::Test {
  protected:
   /// @param words options of the move
@@ -156,7 +156,7 @@ class MoveOfAnotherProgram : public testing::Test {
 
   static Json status() { return json_of(tool("status 1.1 --json")).at(0); }
 
-  // With a long watchdog time: the machine may be busy.
+  // With a long watchdog time, for busy machines.
   RunningService service_{"--clock realtime --axes 2 --config " VDRIVE_SOURCE_DIR
                           "/tests/data/patient.yaml"};
   std::optional<Process> move_;
@@ -203,7 +203,7 @@ TEST_F(MoveOfAnotherProgram, IsTakenOver) {
   begin();
   const Finished refused = tool("disable 1.1");
   EXPECT_EQ(refused.code, 5);
-  // Another program of this machine, which the tool started itself.
+  // Another program on this machine, started by the tool itself.
   EXPECT_THAT(refused.errors,
               MatchesRegex("vdrive: control of axis 1\\.1 refused: axis 1\\.1 is controlled by "
                            "vdrive \\(process [0-9]+ on .+\\), session 0x[0-9a-f]+; --take-over "
@@ -220,7 +220,7 @@ TEST_F(MoveOfAnotherProgram, IsTakenOver) {
                            "[0-9]+ on .+\\), session 0x[0-9a-f]+.*\n"));
 }
 
-// The move of the other program never ends here: only the loss of control tells this one.
+// The move of the other program never ends here, so only the loss of control can end this one.
 TEST_F(MoveOfAnotherProgram, IsTakenOverByAMove) {
   begin();
   ASSERT_EQ(tool("move 1.1 -10000000 --velocity 1000 --take-over --no-wait").code, 0);
@@ -230,7 +230,8 @@ TEST_F(MoveOfAnotherProgram, IsTakenOverByAMove) {
   EXPECT_NE(speed(), 0) << "it goes on for the other one";
 }
 
-// timeout(1) signals its program and then its group, a shell and the kernel a closed terminal.
+// timeout(1) signals its program and then the process group; on a closed terminal, both the shell
+// and the kernel send a signal.
 TEST_F(MoveOfAnotherProgram, TakesSignalsThatComeTogetherForOne) {
   begin("--stop-on-interrupt");
   move_->send(SIGTERM);
@@ -261,14 +262,14 @@ TEST_F(MoveOfAnotherProgram, HaltsTheAxisOnAnInterruptWithItsOption) {
   EXPECT_EQ(speed(), 0);
 }
 
-/// A command that waits, and what shows that its axis is on the way.
+/// A command that waits, and the condition that shows its axis in motion.
 struct WaitingCommand {
   const char* axis;
   const char* words;
-  const char* under_way;  ///< as `wait` takes it
+  const char* under_way;  ///< a condition of `wait`
 };
 
-// First what changes nothing: it has begun when the others move.
+// Commands without a motion come first: they have begun once the others move.
 constexpr std::array kWaitingCommands{
     WaitingCommand{"1.1", "wait 1.1 position == 20000000", "velocity_demand_value == 0"},
     WaitingCommand{"1.1", "expect 1.1 position 20000000 --within 1h", "velocity_demand_value == 0"},
@@ -279,11 +280,11 @@ constexpr std::array kWaitingCommands{
     WaitingCommand{"1.3", "velocity 1.3 100000 --acceleration 1000", "velocity_demand_value != 0"},
     WaitingCommand{"1.4", "torque 1.4 100 --slope 1", "torque_demand != 0"},
     WaitingCommand{"1.5", "jog 1.5 1000 --for 1h", "velocity_demand_value == 1000"},
-    // 6084h = 1: the halt takes 1000 s.
+    // 6084h = 1 UU/s²: the halt takes 1000 s.
     WaitingCommand{"1.6", "halt 1.6 --wait", "velocity_demand_value < 1000"},
 };
 
-/// Six axes in real time, and a program for each command, which waits.
+/// Six axes in real time, and a waiting program for each command.
 class CommandsThatWait : public testing::Test {
  protected:
   void SetUp() override {
@@ -298,7 +299,7 @@ class CommandsThatWait : public testing::Test {
     }
   }
 
-  /// @return how each ended, once the service has.
+  /// @return the outcome of each program, once the service has ended.
   std::vector<Finished> ends() {
     std::vector<Finished> ends;
     for (const auto& program : programs_) ends.push_back(program->wait());
@@ -309,7 +310,7 @@ class CommandsThatWait : public testing::Test {
   std::vector<std::unique_ptr<Process>> programs_;
 };
 
-// Some 1.6 s after the kill; a search for the lost bench would take as long as --timeout.
+// About 1.6 s after the kill; a search for the lost bench would take as long as --timeout.
 TEST_F(CommandsThatWait, AreToldOfAKilledServiceByItsSilence) {
   const auto killed = std::chrono::steady_clock::now();
   service_.kill();
@@ -329,7 +330,7 @@ TEST_F(CommandsThatWait, AreToldThatTheirServiceShutsDown) {
   EXPECT_EQ(service_.stop().code, 0);
   const std::vector<Finished> ended = ends();
   for (std::size_t i = 0; i < ended.size(); ++i) {
-    // The halt may have seen its axis stand, which is what it waits for, before the power went.
+    // The halt may have completed at standstill before the service removed the power.
     if (ended[i].code == 0 && std::string(kWaitingCommands.at(i).axis) == "1.6") continue;
     EXPECT_EQ(ended[i].code, 1) << kWaitingCommands.at(i).words;
     EXPECT_THAT(ended[i].errors,
@@ -361,7 +362,7 @@ TEST_P(JogEndedBy, ASignalStopsAndReleasesTheAxis) {
   EXPECT_EQ(value_of("1.1", "0x603F"), "0") << "its watchdog would be a fault";
 }
 
-// SIGHUP is what a program receives when its terminal is closed.
+// A program receives SIGHUP when its terminal is closed.
 INSTANTIATE_TEST_SUITE_P(Signals, JogEndedBy, testing::Values(SIGINT, SIGTERM, SIGHUP),
                          [](const testing::TestParamInfo<int>& signal) -> std::string {
                            return sigabbrev_np(signal.param);
@@ -421,7 +422,7 @@ TEST_F(Events, AreFollowedAsTheyArrive) {
   EXPECT_EQ(events.wait().code, 130);
 }
 
-// The other commands: HealthyBench.RefusesNothingOfAnyCommandOfTheTool.
+// HealthyBench.RefusesNothingOfAnyCommandOfTheTool covers the other commands.
 TEST_F(Events, HaveNoRefusalOfTheDoctor) {
   EXPECT_THAT(tool("doctor").output, HasSubstr("bench 1"));
   const std::vector<std::string> events = tool("events --json").lines();

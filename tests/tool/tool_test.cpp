@@ -149,8 +149,8 @@ TEST_F(ToolInLockStep, ARefusalExitsFiveWithItsCodeAndMeaning) {
   }
 }
 
-// The sub-indices of the manual's table; 60F2h has three option codes, 6098h the methods of the
-// drive and 0.
+// The sub-indices of the manual's table; 60F2h has three option codes, 6098h 0 and the methods of
+// the drive.
 TEST_F(ToolInLockStep, ARefusalListsTheSubIndicesAndTheValuesThatAreTaken) {
   EXPECT_THAT(call("read 1.1 0x607D:7").errors, HasSubstr("607Dh has sub-indices 1 and 2"));
   EXPECT_THAT(call("read 1.1 0x6041:7").errors, HasSubstr("6041h has only sub-index 0"));
@@ -308,7 +308,7 @@ TEST_F(ToolInLockStep, StoreWithoutAStateDirectoryNamesIt) {
   EXPECT_THAT(finished.errors, AllOf(HasSubstr("0x08000020"), HasSubstr("vdrived --state DIR")));
 }
 
-/// A bench in real time, and a place for a recording.
+/// A bench in real time, and a directory for a recording.
 class Recording : public testing::Test {
  protected:
   [[nodiscard]] std::string file(const std::string& name) const { return directory_.path() / name; }
@@ -356,7 +356,7 @@ TEST_F(Recording, HasARowForEachAxisAndTickAndCountsMissingOnes) {
     if (last_tick != 0) {
       ASSERT_GT(tick, last_tick + missed);
       lost += missed;
-      skipped += tick - last_tick - 1 - missed;  // the machine had no time for so many
+      skipped += tick - last_tick - 1 - missed;  // the machine was too slow to run these
     }
     last_tick = tick;
   }
@@ -376,8 +376,7 @@ TEST_F(Recording, LastsTheGivenDriveTime) {
     EXPECT_EQ(row["axis"], "1.2");
     ticks += ticks == 0 ? 1 : 1 + row["missed"].get<std::uint64_t>();
   }
-  // Up to the last tick before 50 of 1 ms have passed; samples that were lost at the very end are
-  // not counted.
+  // Ends with the last tick before 50 ms have passed; samples lost at the very end are not counted.
   EXPECT_LE(ticks, 50U);
   EXPECT_GE(ticks, 40U);
 }
@@ -404,7 +403,7 @@ TEST_F(ToolInLockStep, AScenarioFromStandardInputRunsAsOneSession) {
   EXPECT_THAT(finished.output, HasSubstr("passed"));
 }
 
-// What ends a scenario before its first line, with the exit code: usage 2, not found 3.
+// Errors that end a scenario before its first line, with the exit code: 2 usage, 3 not found.
 TEST_F(ToolInLockStep, AReportNamesTheReasonWhyAScenarioDidNotBegin) {
   const TemporaryDirectory directory;
   const auto junit = directory.path() / "out.xml";
@@ -461,7 +460,7 @@ TEST_F(ToolInLockStep, ThroughoutDetectsASingleDifferentTick) {
                                  "write 1.1 0x6060 1\n"
                                  "step 1\n"
                                  "write 1.1 0x607A 0\n"
-                                 "write 1.1 0x6040 0x3F\n"  // a move to where it is: 20 ms
+                                 "write 1.1 0x6040 0x3F\n"  // a move to the current position: 20 ms
                                  "expect 1.1 0x6041 0x1237 --throughout 30ms\n");
   EXPECT_EQ(finished.code, 1);
   EXPECT_THAT(finished.errors, HasSubstr("actual 0x1637"));

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Units of axes on the command line and in scenarios.
+// Units of axes, on the command line and in scenarios.
 #include "support/bench_on_wire.hpp"
 #include "support/temporary_directory.hpp"
 #include "tool/call.hpp"
@@ -83,7 +83,7 @@ TEST_F(Units, ThatAnAxisDoesNotHaveAreAUsageError) {
   EXPECT_EQ(value_of("turn", "0x6062"), "0");
 }
 
-/// An object of the dictionary that is a position, a velocity, an acceleration or a jerk.
+/// An object that is a position, a velocity, an acceleration or a jerk.
 struct MeasuredObject {
   ObjectRow row;
   Dimension dimension;
@@ -102,7 +102,7 @@ struct MeasuredObject {
   }
 };
 
-/// By the units of the dictionary's own text, as a reader of the table understands it.
+/// Classifies objects by the units text of the dictionary, as a reader of the table would.
 std::vector<MeasuredObject> measured_objects(Access access) {
   std::vector<MeasuredObject> objects;
   for (std::size_t place = 0; place < kObjectTable.size(); ++place) {
@@ -121,7 +121,7 @@ std::vector<MeasuredObject> measured_objects(Access access) {
   return objects;
 }
 
-// 12 mm are 12000 UU; 13 mm another value, 1e15 mm more than any type holds.
+// 12 mm are 12000 UU; 13 mm are another value, and 1e15 mm exceed any type.
 TEST_F(Units, AreWrittenReadAndToldForEveryObjectThatHasOne) {
   const auto objects = measured_objects(Access::read_write);
   ASSERT_GE(objects.size(), 30U);
@@ -171,7 +171,7 @@ TEST_F(Units, OfAJerkAreTakenAndToldWhereItIsRefused) {
               HasSubstr("profile_jerk_1 accepts 1 UU/s3 (0.001 mm/s3) to 4294967295 UU/s3"));
 }
 
-/// A command that fails, and what its message has in the unit of the axis.
+/// A command that fails, and the part of its message that uses the unit of the axis.
 struct ToldFailure {
   std::string command;
   std::string message;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Positions, speeds and ramps as a user types them, with and without a unit.
+// Positions, velocities and accelerations as a user types them, with and without a unit.
 #include "values/units.hpp"
 
 #include "base/usage_error.hpp"
@@ -73,7 +73,7 @@ TEST(Quantity, IsRoundedToTheNearestUserUnit) {
   EXPECT_EQ(position("-0.044deg", kTurning), -1);
 }
 
-// 6081h = 12.5 became 13 in silence.
+// 6081h = 12.5 used to become 13 silently.
 TEST(Quantity, OfAFractionOfAUserUnitIsRefused) {
   for (const char* const text : {"1.5", "-0.5", "1.6UU", "1e-3"}) {
     EXPECT_THAT(refusal_of_quantity([&] {

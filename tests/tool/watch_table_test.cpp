@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The table of `watch`: its columns by width, and that no row is wider than the terminal.
+// The table of `watch`: the columns for each width; no row is wider than the terminal.
 #include "output/watch_view.hpp"
 #include "terminal/columns.hpp"
 #include "terminal/keys.hpp"
@@ -28,7 +28,7 @@ client::AxisSnapshot axis_of(std::uint16_t number) {
   return axis;
 }
 
-/// Axes 1.1 to 1.`count` at tick 42, each with the widest numbers there are.
+/// Axes 1.1 to 1.`count` at tick 42, each with the longest numbers possible.
 client::Observation observation(std::uint16_t count) {
   client::Observation sample;
   sample.tick = 42;
@@ -64,7 +64,7 @@ TEST(WatchTable, FitsTheWidthAndHeightOfTheTerminal) {
   }
 }
 
-// 4 + 1 + 11 + 1 + 12 + 2 = 31 columns before the state, 33 for "Operation enabled: target
+// 4 + 1 + 11 + 1 + 12 + 2 = 31 columns before the state, and 33 for "Operation enabled: target
 // reached".
 TEST(WatchTable, ShowsPositionVelocityAndStateIn65Columns) {
   client::Observation sample;
@@ -115,13 +115,13 @@ TEST(WatchTable, IsRedOnAFaultOfAnAxisThatIsLeftOut) {
   EXPECT_THAT(whole[6].text, HasSubstr("Fault 0x8611 following error"));
   EXPECT_EQ(whole[6].color, Color::red);
   EXPECT_EQ(whole[5].color, std::nullopt);
-  // Five rows: title, header, two axes, and one for the other three.
+  // Five rows: title, header, two axes, and a row for the three others.
   const auto cut = table_of(sample, {80, 5});
   ASSERT_THAT(cut, SizeIs(5));
   EXPECT_EQ(cut[4], (LiveLine{"... 3 more axes, 1 with a fault", Color::red}));
 }
 
-/// The first cells of the rows below title and header.
+/// The first cell of each row below title and header.
 std::vector<std::string> axes_of(const std::vector<LiveLine>& lines) {
   std::vector<std::string> axes;
   for (std::size_t i = 2; i < lines.size(); ++i) {
@@ -152,7 +152,7 @@ TEST(WatchTable, IsSortedBySelectedColumn) {
       testing::EndsWith(", by velocity reversed, faults only"));
 }
 
-// Six rows: title, header, three axes and the row that counts the others.
+// Six rows: title, header, three axes, and a row that counts the others.
 TEST(WatchTable, HasPagesWhereNotAllAxesFit) {
   const client::Observation sample = observation(8);
   const auto faces = faces_of(sample, "axis");
@@ -195,8 +195,8 @@ TEST(Columns, CutTextAtCharactersAndCountWideOnesTwice) {
   EXPECT_EQ(aligned_right("轴", 3), " 轴");
 }
 
-// A bench that is paused has one tick: the answer to a request and the first frame of the stream
-// both show it.
+// A paused bench stays at one tick, which both the answer to a request and the first frame of the
+// stream show.
 TEST(WatchView, ShowsATickThatComesTwiceInOneLine) {
   constexpr std::chrono::seconds kLongerThanAPeriod{1};
   for (const auto form : {WatchView::Form::lines, WatchView::Form::json}) {
@@ -210,7 +210,7 @@ TEST(WatchView, ShowsATickThatComesTwiceInOneLine) {
     EXPECT_TRUE(view.refresh(now));
     view.take(sample);
     EXPECT_FALSE(view.refresh(now += kLongerThanAPeriod));
-    sample.axes[0].status.load_position_actual_value = 1;  // such as a snapshot that is restored
+    sample.axes[0].status.load_position_actual_value = 1;  // for example, a snapshot was restored
     view.take(sample);
     EXPECT_TRUE(view.refresh(now += kLongerThanAPeriod));
     sample.axes[0].tick = 43;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// `vdrive watch` and the live view of `vdrive run` on terminals of several sizes.
+// `vdrive watch` and the live view of `vdrive run`, on terminals of several sizes.
 #include "support/temporary_directory.hpp"
 #include "tool/process.hpp"
 #include "tool/pseudo_terminal.hpp"
@@ -23,7 +23,7 @@ using testing::StartsWith;
 constexpr std::size_t kRows = 24;
 constexpr int kRed = 31;
 
-/// A title, a header and a row for each of three axes, with nothing below.
+/// Whether there is a title, a header and a row for each of three axes, with nothing below.
 bool shows_three_axes(const Screen& screen) {
   const std::vector<std::string> rows = screen.rows();
   return rows[0].starts_with("tick ") && rows[1].starts_with("axis") &&
@@ -43,7 +43,7 @@ class WatchOnATerminal : public testing::Test {
     ASSERT_EQ(tool("move 1.1 1000000 --no-wait").code, 0);
   }
 
-  /// Moves the axes until the table has shown another tick.
+  /// Steps the axes until the table shows another tick.
   static bool see_another_tick(PseudoTerminal& watch) {
     const std::string before = watch.screen().rows()[0];
     return tool("step 20").code == 0 && watch.wait_until([&](const Screen& screen) {
@@ -82,7 +82,7 @@ TEST_F(WatchOnATerminal, ShowsEachAxisOnOneRowAtAnyWidth) {
 TEST_F(WatchOnATerminal, FollowsTheSizeOfTheTerminal) {
   PseudoTerminal watch(kRows, 200, "watch 1.1 1.2 1.3");
   ASSERT_TRUE(watch.wait_until(shows_three_axes)) << error_of(watch.screen());
-  // Time stands still: only the new size can redraw it.
+  // Time stands still, so only the new size can cause a redraw.
   for (const std::size_t columns : {60U, 80U, 40U, 200U}) {
     watch.resize(kRows, columns);
     ASSERT_TRUE(watch.wait_until([&](const Screen& screen) {
@@ -92,8 +92,8 @@ TEST_F(WatchOnATerminal, FollowsTheSizeOfTheTerminal) {
              has_demand == (columns >= 160);
     })) << columns
         << error_of(watch.screen());
-    // A table that was on its way at the old width wraps, and a part of it may have looked like the
-    // new one; what begins after a step does not.
+    // A table that was being sent at the old width wraps, and a part of it may have looked like the
+    // new one. A table drawn after a step does not wrap.
     ASSERT_TRUE(see_another_tick(watch)) << columns << error_of(watch.screen());
     const std::size_t wrapped = watch.screen().wrapped();
     ASSERT_TRUE(see_another_tick(watch)) << columns << error_of(watch.screen());
@@ -135,7 +135,7 @@ TEST_F(WatchOnATerminal, LeavesTheLastTableOnTheNormalScreen) {
 }
 
 TEST_F(WatchOnATerminal, CountsTheAxesThatDoNotFit) {
-  // Four rows: title, header, one axis, and the row that counts two more.
+  // Four rows: title, header, one axis, and a row that counts two more.
   PseudoTerminal watch(4, 60, "watch 1.1 1.2 1.3");
   ASSERT_TRUE(watch.wait_until([](const Screen& screen) {
     return screen.rows()[3] == "... 2 more axes";
@@ -187,7 +187,7 @@ TEST_F(WatchOnATerminal, SendsNoEscapesToADumbTerminal) {
   EXPECT_THAT(dumb.output(), Not(HasSubstr("\x1b")));
 }
 
-// The lines of a scenario stay, and the live block below them has one row an axis.
+// The lines of a scenario stay; the live block below them has one row per axis.
 TEST_F(WatchOnATerminal, KeepsTheLinesOfARunAndOneRowForEachAxis) {
   const TemporaryDirectory directory;
   const std::string file = directory.path() / "far.scn";
@@ -205,7 +205,7 @@ TEST_F(WatchOnATerminal, KeepsTheLinesOfARunAndOneRowForEachAxis) {
   EXPECT_EQ(live, 1) << error_of(run.screen());
 }
 
-/// The first bench stands still, the second runs.
+/// The first bench is paused, the second one runs.
 class WatchOfTwoBenches : public testing::Test {
  private:
   RunningService standing_{"--clock lockstep --bench 1"};
