@@ -67,8 +67,8 @@ std::string in_small_letters(std::string text) {
 }
 
 /// @throws std::runtime_error for a line that is neither a section, an entry nor empty; for an
-///   entry outside a section; for a repeated section or key, where case is ignored because some
-///   readers ignore it.
+///         entry outside a section; for a repeated section or key, where case is ignored because
+///         some readers ignore it.
 Sheet parse_sheet(const std::string& text) {
   Sheet sheet;
   std::set<std::string> sections;

@@ -19,7 +19,7 @@
 namespace vdrive::canopen {
 
 /// @param text in the notation of can-utils: "601#4041600000000000", "181#R", "00000601#00"
-///   (extended)
+///         (extended)
 /// @throws std::bad_optional_access if a digit is not hexadecimal.
 inline Frame frame_of(std::string_view text) {
   constexpr std::size_t kBaseDigits = 3;

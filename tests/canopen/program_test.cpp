@@ -109,7 +109,7 @@ class Flood {
 
 /// Counts the SDO answers of each node until all have arrived.
 /// @return those that are neither the value of 6041h nor an abort; std::nullopt if some are
-///   missing.
+///         missing.
 std::optional<std::vector<std::string>> take_answers(SocketcandPeer& peer) {
   const auto deadline = std::chrono::steady_clock::now() + kProgramPatience;
   std::vector<std::string> wrong;

@@ -40,7 +40,7 @@ TransmitPdo transmit_pdo_with_times(std::uint32_t inhibit_time, std::uint32_t ev
 }
 
 /// @return at which of the SYNCs 1 to `count` a TPDO of this type is sent while its value is
-///   constant.
+///         constant.
 std::vector<int> sent_at_syncs(std::uint32_t type, int count) {
   TransmitPdo pdo = transmit_pdo_of_type(type);
   std::vector<int> sent;

@@ -34,7 +34,8 @@ ChannelPointer topic(std::uint32_t id, const std::string& name) {
   return std::make_shared<Channel>(std::move(info));
 }
 
-/// A table with the topics of bench 4 and two open connections, whose first messages are taken.
+/// A table with the topics of bench 4 and two open connections, whose first messages have been
+/// taken.
 class Topics : public testing::Test {
  protected:
   Topics() {
@@ -50,7 +51,7 @@ class Topics : public testing::Test {
     return table_.subscribe(id, {.id = subscription, .channel = channel}, subscribed);
   }
 
-  /// A batch of bench 4 with a message of its status.
+  /// @return a batch of bench 4 with a status message.
   [[nodiscard]] Batch batch(std::uint64_t time) const {
     return {.bench = 4, .time = time, .messages = {{status_, share("bytes")}}};
   }
@@ -75,7 +76,7 @@ TEST_F(Topics, SendsAMessageToEachSubscriptionUnderItsOwnNumber) {
   EXPECT_EQ(subscribe(kPage, 7, 10), "");
   EXPECT_EQ(subscribe(kTool, 8, 10), "");
   table_.publish(batch(0), kBegin);
-  // 1 = message data, the subscription in four bytes, the time in eight.
+  // 1 = message data, the subscription in four bytes, the time in eight bytes.
   EXPECT_THAT(server_.take(kPage), ElementsAre(std::string("\1\7\0\0\0\0\0\0\0\0\0\0\0bytes", 18)));
   EXPECT_THAT(server_.take(kTool),
               ElementsAre(std::string("\1\10\0\0\0\0\0\0\0\0\0\0\0bytes", 18)));

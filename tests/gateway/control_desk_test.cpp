@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Control, calls of services and parameters, without a network and without a bench.
+// Control, service calls and parameters, without a network or a bench.
 #include "control_desk.hpp"
 
 #include "client_table.hpp"
@@ -41,7 +41,7 @@ class ControlOfAGateway : public testing::Test, public BenchAccess {
     for (const ConnectionId id : {kFirst, kSecond}) desk_.channel()->receivers.push_back({id, 1});
   }
 
-  /// Jobs of connections use what a test has: they end before its members.
+  /// Ends the jobs of connections before the members that they use are destroyed.
   void TearDown() override {
     clients_.close(kFirst);
     clients_.close(kSecond);
@@ -72,7 +72,7 @@ class ControlOfAGateway : public testing::Test, public BenchAccess {
     return {};
   }
 
-  /// @return the message of the answer to /take_control; empty = the connection has control.
+  /// @return the message in the answer to /take_control; empty = the connection has control.
   std::string take(ConnectionId id, const Json& request = Json::object()) {
     std::string message = "no answer";
     desk_.take(id, request, [&](const CallAnswer& answer) {
@@ -84,13 +84,13 @@ class ControlOfAGateway : public testing::Test, public BenchAccess {
     return message;
   }
 
-  /// @return the newest message of the topic to a connection.
+  /// @return the latest message of the topic on this connection.
   Json shown(ConnectionId id) { return server_.take_json(id).back(); }
 
   RecordedServer server_;
   ClientTable clients_;
   std::string error_;
-  std::atomic<std::uint64_t> next_session_ = 100;  ///< each connection opens its own in its thread
+  std::atomic<std::uint64_t> next_session_ = 100;  ///< used by the threads of all connections
   std::vector<std::string> ended_;
   ControlDesk desk_{true, *this, server_, clients_};
 };
@@ -186,7 +186,7 @@ TEST_F(ControlOfAGateway, ForgetsASessionWhoseConnectionClosedMeanwhile) {
   desk_.take(kFirst, Json::object(), [&](const CallAnswer&) {
     is_answered = true;
   });
-  // The session is open: its action waits for the thread of the server.
+  // The session is open; its action waits for the server thread.
   ASSERT_TRUE(server_.await());
   desk_.channel()->receivers.clear();
   EXPECT_TRUE(clients_.close(kFirst));
@@ -241,9 +241,9 @@ TEST_F(ControlOfAGateway, RefusesALimitOfSilenceThatIsTooShortOrTooLong) {
   }
 }
 
-// ---- calls of services
+// ---- service calls
 
-/// The number of a service in the protocol.
+/// @return the number of a service in the protocol.
 std::uint32_t number_of_service(std::string_view name) {
   const auto rows = services();
   const auto row = std::ranges::find(rows, name, &ServiceRow::name);
@@ -257,7 +257,7 @@ class CallsOfServices : public ControlOfAGateway {
     ControlOfAGateway::TearDown();
   }
 
-  /// Its answer names the service; /move waits for the end of the test.
+  /// Answers with the name of the service; /move waits for the end of the test.
   CallAnswer call(const ServiceRow& row, const SessionPointer& /*own*/,
                   const Json& request) override {
     if (request.contains("wrong")) throw ProtocolError("'wrong' is wrong");
@@ -326,7 +326,7 @@ TEST_F(CallsOfServices, StopBesideACallThatWaits) {
 TEST_F(CallsOfServices, AreDroppedWithAnAnswerWhenTooManyWait) {
   EXPECT_EQ(take(kFirst), "");
   (void)server_.take(kFirst);
-  // One is under way, and so many may wait.
+  // One is in progress, and kMostJobs may wait.
   for (std::size_t i = 0; i < bridge::Worker::kMostJobs + 2; ++i) send(kFirst, "/move", "{}");
   const auto sent = server_.take_json(kFirst);
   ASSERT_FALSE(sent.empty());

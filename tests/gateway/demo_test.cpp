@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// `vdrive demo`: a bench, the gateway, and axes that move.
+// `vdrive demo`: a bench, the gateway, and moving axes.
 #include "support/test_domain.hpp"
 #include "tool/process.hpp"
 #include "vdrive/client/axis.hpp"
@@ -21,7 +21,7 @@ using namespace std::chrono_literals;
 using testing::HasSubstr;
 using testing::MatchesRegex;
 
-/// A call of the tool on the domain of these tests.
+/// Calls the tool on the domain of these tests.
 Process call(std::vector<std::string> arguments) {
   arguments.insert(arguments.begin(), {"--domain", std::to_string(test_domain())});
   return {VDRIVE_TOOL, std::move(arguments)};

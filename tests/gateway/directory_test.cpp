@@ -123,12 +123,12 @@ TEST(Schemas, ReadMembersTheirTypesListsAndThoseThatMayBeLeftOut) {
   EXPECT_EQ(object_schema("")["required"], Json::array());
 }
 
-/// @return the names that a schema has and its message has not, or the other way round.
+/// @return the names that are in the schema but not in the message, or vice versa.
 std::set<std::string> differences(const Json& schema, const Json& message) {
   std::set<std::string> names;
   for (const auto& [name, type] : schema["properties"].items()) {
     if (!message.contains(name)) names.insert(name);
-    // Of a list the first element stands for all.
+    // The first element of a list represents all.
     if (type["type"] == "array" && type["items"].contains("properties")) {
       names.merge(differences(type["items"], message[name].at(0)));
     }

@@ -61,7 +61,7 @@ TEST(EventLog, KeepsAFaultBehindAFloodOfLateTicks) {
   };
   add(1, EventKind::fault);
   add(2, EventKind::fault);
-  // 1,022 of them find room, then each takes the place of the oldest of its own kind.
+  // There is room for 1,022 of them; after that, each replaces the oldest of its own kind.
   for (std::uint64_t i = 0; i < 3 * EventLog::kMostOfABench; ++i) {
     add(10 + i, EventKind::tick_overrun);
   }
@@ -76,8 +76,8 @@ TEST(EventLog, KeepsAFaultBehindAFloodOfLateTicks) {
 TEST(EventLog, KeepsItsHistoryWhenASummaryOfEqualEventsComesLate) {
   EventLog log;
   for (const std::uint64_t tick : {kTick, kTick + 9'000}) log.add(event_at(1, tick));
-  // A summary has the tick of the last equal event, which may be a second back: a freerun bench
-  // runs any number of ticks in it.
+  // A summary has the tick of the last equal event, up to a second earlier; a freerun bench runs
+  // any number of ticks in a second.
   log.add(event_at(1, kTick + 1));
   log.add(event_at(1, 3));
   EXPECT_THAT(ticks(log, 1), ElementsAre(3, kTick, kTick + 1, kTick + 9'000));

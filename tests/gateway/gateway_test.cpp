@@ -35,7 +35,7 @@ client::SessionOptions options() {
   return options;
 }
 
-/// @return whether the condition holds within 10 s of wall time.
+/// @return whether the condition holds within 10 s of wall-clock time.
 template <typename Condition>
 bool soon(const Condition& condition) {
   constexpr auto kPatience = 10s;
@@ -55,9 +55,9 @@ std::string parameter(Session& session, const std::string& object) {
   return axis_topic(session, "/" + object).substr(1);
 }
 
-// ---- who may connect
+// ---- admission
 
-/// @return the answer to a request that opens a WebSocket and is refused.
+/// @return the answer to a refused WebSocket upgrade.
 std::string upgrade(std::uint16_t port, const std::string& subprotocol, const std::string& origin) {
   std::string request =
       "GET / HTTP/1.1\r\nHost: 127.0.0.1\r\nConnection: Upgrade\r\nUpgrade: websocket\r\n"
@@ -129,7 +129,7 @@ TEST(GatewayConnection, AnswersInvalidHttpWith400) {
 TEST(GatewayConnection, AcceptsClientsBesideManySilentConnections) {
   const RunningGateway gateway;
   std::vector<std::unique_ptr<SilentConnection>> silent;
-  // More than the gateway keeps: 32 without a WebSocket.
+  // More connections than the gateway keeps; without a WebSocket, these are 32.
   for (int i = 0; i < 100; ++i) {
     silent.push_back(std::make_unique<SilentConnection>(gateway.port()));
   }
@@ -147,7 +147,7 @@ TEST(GatewayConnection, SurvivesInvalidInput) {
     client.web().send("\x7f\x01", false);
     for (int i = 0; i < 5; ++i) EXPECT_EQ(client.next_text("status")["level"], 2);
     EXPECT_FALSE(client.web().has_ended()) << "a wrong message ends no connection";
-    // An invalid WebSocket frame ends the connection: reserved bits, no mask.
+    // An invalid WebSocket frame (reserved bits set, no mask) ends the connection.
     client.web().send_raw("\x7f\x7f\x7f\x7f");
     client.read_for(5s);
     EXPECT_TRUE(client.web().has_ended());
@@ -168,7 +168,7 @@ TEST(GatewayConnection, EndsAfterAFloodOfMessagesAndOtherConnectionsContinue) {
   const RunningGateway gateway;
   ToolClient calm(gateway.port());
   ToolClient flooding(gateway.port());
-  // More than the 4,000 that may come at once, and 200 for each second that sending takes.
+  // More than the permitted burst of 4,000, plus 200 for each second that sending takes.
   for (int i = 0; i < 20'000 && !flooding.web().has_ended(); ++i) {
     flooding.web().send(R"({"op":"unsubscribe","subscriptionIds":[]})", true);
   }
@@ -180,9 +180,9 @@ TEST(GatewayConnection, EndsAfterAFloodOfMessagesAndOtherConnectionsContinue) {
   EXPECT_NO_THROW((void)calm.call("/read", {{"axis", "1.1"}, {"objects", {"0x6041"}}}));
 }
 
-// ---- what is shown
+// ---- topics
 
-/// @return the name of the first member in which the axis differs from the message.
+/// @return the name of the first member in which the axis and the message differ.
 std::string difference(const client::AxisSnapshot& axis, const RosMessage& message,
                        std::size_t place) {
   for (const StatusMember& member : status_members()) {
@@ -206,7 +206,7 @@ TEST(GatewayStatus, EqualsTheStatusOfTheSameLockstepRun) {
   client.subscribe("/bench1/status");
   client.subscribe(status_topic);
   client.subscribe(trace_topic);
-  // The first message shows that the gateway follows the bench.
+  // Once the first message is received, the gateway follows the bench.
   (void)client.next("/bench1/status");
   (void)client.next(status_topic);
   ASSERT_TRUE(axis->enable());
@@ -351,7 +351,7 @@ TEST(GatewayStatus, SendsEventsAsLogAndTheTimeOfTheBench) {
   EXPECT_TRUE(soon([&] {
     return client.next("/bench1/events").payload.find(name) != std::string::npos;
   }));
-  // A bench in real time counts from the epoch.
+  // In real time, a bench counts from the Unix epoch.
   const auto now = std::chrono::system_clock::now().time_since_epoch();
   const std::uint64_t time = client.next_text("time")["time"];
   EXPECT_NEAR(static_cast<double>(time) * 1e-9, std::chrono::duration<double>(now).count(), 30.0);
@@ -376,7 +376,7 @@ TEST(GatewayJudge, TellsWhatAMasterDoesWrongWhileSomebodyAsks) {
     return client.call("/judge", {{"bench", 1}})["judged"] == true;
   }));
   EXPECT_EQ(findings(), Json::array()) << "it was enabled before";
-  // A new target, and bit 4 stays up.
+  // A new target while bit 4 stays set.
   Json last;
   std::int64_t target = 100;
   EXPECT_TRUE(soon([&] {
@@ -470,7 +470,7 @@ TEST(GatewayOptions, NameValueAndLimitsOfANumber) {
 
 // ---- the graph of connections
 
-/// @return the identifiers that the list has for this name.
+/// @return the identifiers listed for this name.
 Json ids_of(const Json& list, const std::string& name, const char* key) {
   for (const Json& entry : list) {
     if (entry["name"] == name) return entry[key];
@@ -584,7 +584,7 @@ TEST(GatewayServices, EnableMoveAndStopAnAxis) {
       },
       20s));
   EXPECT_EQ(client.call("/jog", {{"axis", "1.1"}, {"velocity", 1000}})["message"], "");
-  // It is not repeated: after 400 ms the gateway ends it.
+  // The jog is not repeated, so the gateway ends it after 400 ms.
   EXPECT_TRUE(axis->wait_until(
       [](const auto& status) {
         return status.status.velocity_demand_value == 1000;
@@ -609,7 +609,8 @@ TEST(GatewayServices, EnableMoveAndStopAnAxis) {
       10s));
 }
 
-// A page was closed that had axes in mode 3; one axis and several go different ways.
+// As if a page had been closed while its axes were in mode 3. A single axis and several axes take
+// different paths in the code.
 TEST(GatewayServices, EnableLetsAxesRestWhateverWasLeft) {
   const RunningService service("--clock lockstep --axes 2");
   const RunningGateway gateway("--control");
@@ -637,7 +638,7 @@ TEST(GatewayServices, EnableLetsAxesRestWhateverWasLeft) {
 
 TEST(GatewayServices, ServeTheButtonsOfADashboard) {
   const TemporaryDirectory state;
-  // With a long watchdog time: the machine may be busy.
+  // With a long watchdog time, for busy machines.
   const RunningService service("--clock realtime --axes 2 --config " VDRIVE_SOURCE_DIR
                                "/tests/data/patient.yaml --state " +
                                state.path().string());
@@ -674,8 +675,7 @@ TEST(GatewayServices, ServeTheButtonsOfADashboard) {
       20s));
   EXPECT_EQ(*axis->read({0x6083, 0}), 1'000'000);
   EXPECT_EQ(is_done("/home", {{"axis", "1.1"}}), "");
-  // The answer comes with the start of the run; a second run is ignored before the end of the
-  // first.
+  // The answer is sent when homing starts; a second start is ignored until the first run ends.
   EXPECT_TRUE(axis->wait_until(
       [](const auto& status) {
         return status.mode() == OperatingMode::homing && status.shows(Statusword::kTargetReached) &&
@@ -744,7 +744,7 @@ TEST(GatewayServices, DescribeTheErrorOfARequest) {
   EXPECT_THAT(client.call("/take_control", Json::array())["failure"], HasSubstr("object"));
 }
 
-/// A gateway that gives control, and a session beside it that looks at axis 1.1.
+/// A gateway that offers control, and a separate session that observes axis 1.1.
 class GatewayControl : public testing::Test {
  protected:
   void SetUp() override { ASSERT_TRUE(axis_) << axis_.outcome().message(); }
@@ -800,7 +800,7 @@ TEST_F(GatewayControl, IsHeldByOneConnection) {
   EXPECT_THAT(first.call("/enable", {{"axes", {"1.1"}}})["message"], HasSubstr("'second'"));
 }
 
-/// Nobody owns the axis any more, which stays as it is.
+/// Expects the axis to have no owner and to stay as it is.
 void expect_released(client::Axis& axis) {
   EXPECT_TRUE(axis.wait_until(
       [](const auto& status) {
@@ -810,7 +810,7 @@ void expect_released(client::Axis& axis) {
   EXPECT_EQ(axis.status()->state(), PowerState::operation_enabled);
 }
 
-/// A client that holds control and has enabled an axis.
+/// Takes control and enables an axis.
 void command(ToolClient& client) {
   (void)client.channel("/bench1/status");
   ASSERT_EQ(client.call("/take_control", Json::object())["ok"], true);
@@ -829,7 +829,7 @@ TEST_F(GatewayControl, IsReleasedByAGracefulClose) {
 TEST_F(GatewayControl, IsReleasedByACloseWithoutACode) {
   ToolClient client(gateway_.port());
   command(client);
-  // A close frame without payload, masked with zeros: as WebSocket.close() of a browser sends it.
+  // A close frame without payload, masked with zeros, as sent by WebSocket.close() in browsers.
   client.web().send_raw({"\x88\x80\0\0\0\0", 6});
   client.read_for(1s);  // the gateway answers it, and each side ends its connection
   expect_released(*axis_);
@@ -848,7 +848,7 @@ void expect_lost_master(client::Axis& axis) {
 TEST_F(GatewayControl, IsLostWithASilentConnection) {
   ToolClient client(gateway_.port());
   command(client);
-  // The client does not read, so it sends no pong.
+  // The client does not read, so it does not answer pings.
   expect_lost_master(*axis_);
 }
 
@@ -860,7 +860,7 @@ TEST_F(GatewayControl, IsLostSoonerAfterAShorterSilenceThatTheHolderChose) {
   ASSERT_EQ(client.call("/take_control", {{"silence_ms", 1'000}})["ok"], true);
   const auto begin = std::chrono::steady_clock::now();
   expect_lost_master(*axis_);
-  // 1 s, a quarter of a second until the gateway looks, and 0.5 s of the watchdog of the bench.
+  // 1 s, a quarter of a second until the gateway checks, and 0.5 s for the watchdog of the bench.
   EXPECT_LT(std::chrono::steady_clock::now() - begin, 8s) << "not the 10 s of a holder by default";
 }
 
@@ -898,7 +898,7 @@ TEST(GatewayQueues, DropTheOldestForASlowClientAndReportIt) {
   slow.subscribe("/bench1/status");
   quick.subscribe("/bench1/status");
   (void)slow.next("/bench1/status");
-  // 256 axes of 93 bytes, 500 times a second: 12 MB a second fill queue and sockets in one.
+  // 256 axes of 93 bytes at 500 Hz: 12 MB/s fill the queue and the socket buffers within a second.
   const auto deadline = std::chrono::steady_clock::now() + 3s;
   int received = 0;
   while (std::chrono::steady_clock::now() < deadline) {

@@ -22,10 +22,10 @@ using testing::HasSubstr;
 
 constexpr ObjectAddress kTargetVelocity{0x60FF, 0};
 
-/// A client that jogs axis 1.1 of a bench in lock-step, which runs while the axis is jogged.
+/// A client that jogs axis 1.1 of a bench in lock-step. The bench runs while the axis jogs.
 class JogsOfAClient : public testing::Test {
  protected:
-  /// @param ago that the request was made: it counts until kHeldTime after that; negative = later
+  /// @param ago age of the request, which is valid for kHeldTime; negative = in the future
   Outcome request(std::int32_t velocity, std::chrono::milliseconds ago = 0ms,
                   const std::string& axis = "1.1") {
     auto answered = std::make_shared<std::promise<Outcome>>();
@@ -38,7 +38,7 @@ class JogsOfAClient : public testing::Test {
     return answer.get();
   }
 
-  /// Repeats the request, as a button that is held does, until it is refused.
+  /// Repeats the request like a held button until it is refused.
   Outcome hold_until_refused(std::int32_t velocity) {
     const auto deadline = Jogs::Clock::now() + 20s;
     Outcome outcome = request(velocity);
@@ -71,7 +71,8 @@ TEST_F(JogsOfAClient, RunWhileTheButtonIsHeldAndAgainAfterItWasLetGo) {
   }
 }
 
-// The page stood still for longer than the gateway waits, then goes on with the button held.
+// The page was stalled for longer than the gateway waits, then continues with the button still
+// held.
 TEST_F(JogsOfAClient, NeedANewPressAfterASilence) {
   ASSERT_TRUE(axis_.enable());
   ASSERT_TRUE(request(1'000, Jogs::kHeldTime));
@@ -97,7 +98,7 @@ TEST_F(JogsOfAClient, NeedANewPressAfterAStopOfAnotherProgram) {
   expect_rest();
 }
 
-// Somebody else enables the axis while the button is held.
+// Another program enables the axis while the button is held.
 TEST_F(JogsOfAClient, NeedANewPressWhereTheFirstWasRefused) {
   const Outcome refused = request(1'000);
   EXPECT_EQ(refused.kind(), OutcomeKind::refused);
@@ -110,7 +111,7 @@ TEST_F(JogsOfAClient, NeedANewPressWhereTheFirstWasRefused) {
   EXPECT_TRUE(request(0));
 }
 
-// Wrong names, each pressed once and never let go.
+// Names of missing axes, each pressed once and never released.
 TEST_F(JogsOfAClient, GiveAnotherAxisThePlaceOfOneWhoseRequestIsNotRepeated) {
   ASSERT_TRUE(axis_.enable());
   for (std::size_t i = 0; i < Jogs::kMostAxes; ++i) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The counters of the gateway, as the monitoring reads them.
+// The counters of the gateway in the format read by monitoring.
 #include "metrics.hpp"
 
 #include <gmock/gmock.h>

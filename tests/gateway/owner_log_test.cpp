@@ -18,7 +18,8 @@ constexpr std::uint64_t kToolSession = 0xB;
 constexpr std::uint64_t kTakenTick = 50'000;
 constexpr std::uint32_t kEpoch = 7;
 
-// As a bench reports it: the new epoch of who gained, 0 of who lost; axis 0 = several.
+// The format of a bench's report: the gaining session has a new epoch, the losing one has 0; axis 0
+// means several axes.
 client::Event control_event(std::uint16_t axis, std::uint64_t session, std::uint32_t epoch,
                             std::uint64_t tick = kTakenTick) {
   client::Event event;
@@ -79,7 +80,7 @@ TEST(OwnerLog, HasNoTakingOfAnotherAxis) {
   EXPECT_THAT(sut.takings(), IsEmpty());
 }
 
-// Else a page that took its axis back, and lost it to nobody, would name who took it before.
+// Otherwise a page that took its axis back and then lost it to nobody would name the earlier taker.
 TEST(OwnerLog, ForgetsATakingWhenTheAxisIsTakenBack) {
   OwnerLog sut;
   sut.note(control_event(2, kPageSession, 0));

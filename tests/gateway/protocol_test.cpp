@@ -12,7 +12,7 @@ namespace {
 using testing::ElementsAre;
 using testing::HasSubstr;
 
-/// @return the error of a message, or an empty text.
+/// @return the error about a message; empty if there is none.
 template <typename Parse>
 std::string complaint(const Parse& parse) {
   try {
@@ -151,7 +151,7 @@ TEST(Protocol, AdvertisesAndUnadvertisesChannels) {
   EXPECT_EQ(Json::parse(unadvertise_text(ids))["channelIds"], Json({5, 6}));
 }
 
-// Statuses with an id stay until they are removed by it:
+// A status with an id stays until it is removed by that id:
 // https://github.com/foxglove/ws-protocol/blob/main/docs/spec.md#remove-status
 TEST(Protocol, ShowsTroublesOfTheNetworkUntilTheyEnd) {
   const std::vector<std::string> troubles{"a is away", "b is away"};

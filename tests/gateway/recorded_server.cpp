@@ -36,7 +36,7 @@ std::vector<std::string> RecordedServer::take(ConnectionId id) {
 std::vector<Json> RecordedServer::take_json(ConnectionId id) {
   std::vector<Json> messages;
   for (const Frame& frame : std::exchange(sent_[id], {})) {
-    // The body of a response begins with its encoding: the JSON is behind it.
+    // The body of a response begins with its encoding, followed by the JSON text.
     const std::string& body = *frame.body;
     messages.push_back(Json::parse(body.substr(body.find('{')), nullptr, false));
   }

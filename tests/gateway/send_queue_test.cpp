@@ -27,7 +27,7 @@ TEST(SendQueue, KeepsTheOrder) {
 }
 
 TEST(SendQueue, DropsTheOldestDataAndCountsIt) {
-  // 10 bytes hold two of four.
+  // 10 bytes hold two frames of four bytes.
   SendQueue queue({.data_bytes = 10, .data_frames = 100});
   for (const char* bytes : {"aaaa", "bbbb", "cccc", "dddd"}) queue.push_data(frame_of(bytes));
   EXPECT_EQ(queue.bytes(), 8U);

@@ -33,7 +33,7 @@ Number number_at(const std::string& bytes, std::size_t place) {
   return number;
 }
 
-/// Reads plain CDR behind its header of four bytes.
+/// Reads plain CDR after its header of four bytes.
 class Reader {
  public:
   explicit Reader(const std::string& bytes) : bytes_(bytes.substr(4)) {}

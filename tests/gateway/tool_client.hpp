@@ -16,10 +16,10 @@ namespace vdrive::test {
 
 using Json = nlohmann::json;
 
-/// A gateway of this build on the domain of this test.
+/// A running gateway of this build, on the domain of this test.
 class RunningGateway {
  public:
-  /// @param words command line beside the domain and the port
+  /// @param words command line without the domain and the port
   explicit RunningGateway(const std::string& words = "");
 
   [[nodiscard]] std::uint16_t port() const noexcept { return port_; }
@@ -31,11 +31,11 @@ class RunningGateway {
   std::uint16_t port_ = 0;
 };
 
-/// A message of ROS 2: numbers by the names of their fields, a single one as a list of one.
+/// A ROS 2 message: the numbers in each field; a single number is a list of one.
 using RosMessage = std::map<std::string, std::vector<std::int64_t>>;
 
-/// @param schema ros2msg text, whose own type has numbers, arrays of numbers and a time
-/// @throws std::runtime_error when the bytes end too early or too late.
+/// @param schema in ros2msg text; numbers, arrays of numbers and times are supported
+/// @throws std::runtime_error if the length of `bytes` does not match.
 [[nodiscard]] RosMessage decode(const std::string& schema, const std::string& bytes);
 
 /// A message of a channel.
@@ -44,7 +44,7 @@ struct ChannelMessage {
   std::string payload;
 };
 
-/// A client of the protocol, as a tool uses it.
+/// A client of the protocol, as a visualisation tool would use it.
 class ToolClient {
  public:
   explicit ToolClient(std::uint16_t port);
@@ -55,31 +55,37 @@ class ToolClient {
   /// @return the server's first message.
   [[nodiscard]] const Json& server_info();
 
-  /// Waits until a topic is advertised. @return its channel. @throws std::runtime_error after 10 s.
+  /// Waits until a topic is advertised.
+  /// @return its channel.
+  /// @throws std::runtime_error after 10 s.
   [[nodiscard]] Json channel(const std::string& topic);
 
   /// @return whether a topic is advertised now.
   [[nodiscard]] bool has_topic(const std::string& topic);
 
-  /// Subscribes a topic.
+  /// Subscribes to a topic.
   void subscribe(const std::string& topic);
 
-  /// @return the next message of a topic that was subscribed. @throws std::runtime_error after 10 s
+  /// @return the next message of a subscribed topic.
+  /// @throws std::runtime_error after 10 s
   ChannelMessage next(const std::string& topic);
 
-  /// The same as JSON, or decoded by the schema that was advertised.
+  /// The same as JSON, or decoded by the advertised schema.
   Json next_json(const std::string& topic);
   RosMessage next_ros(const std::string& topic);
 
-  /// Calls a service. @return its response, or {"failure": text}. @throws after 20 s.
+  /// Calls a service.
+  /// @return its response, or {"failure": text}.
+  /// @throws std::runtime_error after 20 s.
   Json call(const std::string& service, const Json& request);
 
   void send(const Json& message);
 
-  /// Waits for a text message of this operation. @throws std::runtime_error after 10 s
+  /// Waits for a text message of this operation.
+  /// @throws std::runtime_error after 10 s
   Json next_text(const std::string& operation);
 
-  /// Reads messages for some time.
+  /// Reads messages for this duration.
   void read_for(std::chrono::milliseconds duration);
 
  private:

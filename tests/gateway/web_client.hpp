@@ -9,13 +9,13 @@
 
 namespace vdrive::test {
 
-/// How a test connects to a gateway.
+/// Options of a connection to a gateway.
 struct WebOptions {
   std::uint16_t port = 0;
-  std::string subprotocol = "foxglove.sdk.v1";  ///< empty = offers none
-  std::string origin{};                         ///< empty = sends none
+  std::string subprotocol = "foxglove.sdk.v1";  ///< empty = offer none
+  std::string origin{};                         ///< empty = send none
   std::string target = "/";
-  int receive_buffer = 0;  ///< of the socket [bytes]; 0 = the system's
+  int receive_buffer = 0;  ///< of the socket [bytes]; 0 = system default
 };
 
 struct WebMessage {
@@ -23,32 +23,32 @@ struct WebMessage {
   std::string bytes;
 };
 
-/// A WebSocket client. It reads, and answers pings, only inside receive().
+/// A WebSocket client. It reads and answers pings only inside receive().
 class WebClient {
  public:
-  /// @throws std::runtime_error when there is no connection
+  /// @throws std::runtime_error if the connection fails
   explicit WebClient(const WebOptions& options);
 
-  /// The connection ends without a close frame.
+  /// Ends the connection without a close frame.
   ~WebClient();
   WebClient(const WebClient&) = delete;
   WebClient& operator=(const WebClient&) = delete;
 
-  /// @return the subprotocol that the gateway chose.
+  /// @return the subprotocol chosen by the gateway.
   [[nodiscard]] const std::string& subprotocol() const noexcept;
 
   void send(const std::string& bytes, bool is_text);
 
-  /// Sends bytes unchanged, without regard to the WebSocket protocol.
+  /// Sends bytes unchanged, ignoring the WebSocket protocol.
   void send_raw(const std::string& bytes);
 
-  /// @return the next message; nothing after `patience`, or when the connection has ended.
+  /// @return the next message; std::nullopt after `patience`, or if the connection has ended.
   std::optional<WebMessage> receive(std::chrono::milliseconds patience);
 
   /// @return whether the gateway ended the connection; see receive().
   [[nodiscard]] bool has_ended() const noexcept;
 
-  /// Closes by the protocol.
+  /// Performs the closing handshake.
   void close();
 
  private:
@@ -59,7 +59,7 @@ class WebClient {
 /// A TCP connection that sends nothing.
 class SilentConnection {
  public:
-  /// @throws std::runtime_error when there is no connection
+  /// @throws std::runtime_error if the connection fails
   explicit SilentConnection(std::uint16_t port);
   ~SilentConnection();
   SilentConnection(const SilentConnection&) = delete;
@@ -70,7 +70,8 @@ class SilentConnection {
   std::unique_ptr<State> state_;
 };
 
-/// @return the answer to an HTTP request, head and body; it must request that the server closes.
+/// Exchanges an HTTP request, which must ask the server to close the connection.
+/// @return the response, head and body
 [[nodiscard]] std::string http_exchange(std::uint16_t port, const std::string& request);
 
 }  // namespace vdrive::test

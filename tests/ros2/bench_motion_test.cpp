@@ -40,7 +40,7 @@ struct Commanded : FakeBenches {
     turn();
   }
 
-  /// Goes to 1 rad within 1 s.
+  /// Follows a trajectory to 1 rad within 1 s.
   void follow(std::size_t place, std::uint64_t number) {
     const std::vector<PathPoint> points{{.time = 1.0, .position = 1.0}};
     motion().follow(place, std::make_shared<const JointPath>(JointMotion{}, points),
@@ -52,7 +52,7 @@ struct Commanded : FakeBenches {
   }
 };
 
-/// The frames that carry something: the others keep the bench alive.
+/// @return the frames that contain set-points; the others only keep the bench alive.
 std::vector<client::SetPointFrame> with_axes(std::vector<client::SetPointFrame> frames) {
   std::erase_if(frames, [](const client::SetPointFrame& frame) {
     return frame.axes.empty();
@@ -64,7 +64,8 @@ TEST(BenchMotion, SendsEachTickOnceAndAheadOfTheBench) {
   Commanded fake;
   fake.command(0, CommandInterface::position, 1.0);
   const auto frames = with_axes(fake.drive().take_sent());
-  // In lock-step the first set-point is 20 ticks ahead, and 40 ticks have one while a step lasts.
+  // In lock-step the first set-point is 20 ticks ahead, and set-points are sent for up to 40 ticks
+  // ahead while a step lasts.
   ASSERT_THAT(frames, SizeIs(21));
   for (std::size_t i = 0; i < frames.size(); ++i) {
     EXPECT_EQ(frames[i].tick, FakeBench::kBegin + 20 + i);
@@ -161,7 +162,7 @@ TEST(BenchMotion, GoesOnWhereTheBenchHoldsAndKeepsALargerDistance) {
   fake.turn();
   const auto frames = with_axes(fake.drives.at(1).take_sent());
   ASSERT_FALSE(frames.empty());
-  // 8 ms are 8 ticks; after set-points that came too late they are 16.
+  // 8 ms are 8 ticks; after set-points that were late, the distance doubles to 16.
   EXPECT_EQ(frames.front().tick, fake.drives.at(1).tick() + 16);
   fake.run(1'000);
   EXPECT_EQ(fake.drives.at(1).axis(0).status.position_demand_value, 1'000);
@@ -194,7 +195,7 @@ TEST(BenchMotion, ReportsWhatABenchDoesNotTake) {
   EXPECT_THAT(written.lines, ElementsAre("bench 1: the bench is away")) << "the keep-alive";
 }
 
-// Habit e of docs/guides/be-another-drive.md, behind an enabling that has written the mode.
+// Habit e of docs/guides/be-another-drive.md. Here enabling has already written the mode.
 TEST(BenchMotion, FollowsPositionsWhereADriveRefusesAnotherModeAndWaitsForOne) {
   Commanded fake;
   fake.drive().axis(0).status.op_mode_actual =
@@ -218,7 +219,7 @@ TEST(BenchMotion, FollowsPositionsWhereADriveRefusesAnotherModeAndWaitsForOne) {
   EXPECT_EQ(fake.demand(0), 200);
 }
 
-// Habit h: 6061h follows 6060h later. 1 rad/s takes 20 ms with 50 rad/s².
+// Habit h: 6061h follows 6060h late. At 50 rad/s² it takes 20 ms to reach 1 rad/s.
 TEST(BenchMotion, WaitsForAModeThatADriveShowsLate) {
   Commanded fake;
   fake.drive().delay_modes(100);
@@ -306,7 +307,7 @@ TEST(BenchMotion, EndsATrajectoryThatTheBenchHasOvertakenAndKeepsALargerDistance
   EXPECT_EQ(fake.motion().begin_tick(), 1'120U) << "20 ticks ahead";
 }
 
-// ---- why a command is refused
+// ---- reasons for refusing a command
 
 std::string problem_with(CommandInterface interface, double value,
                          const JointLimits& limits = FakeBench::limits()) {

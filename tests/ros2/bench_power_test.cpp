@@ -23,7 +23,7 @@ using testing::SizeIs;
 
 constexpr BenchPower::Clock::time_point kPowerBegin{1h};
 
-/// A bench with two axes that the bridge controls, and their power.
+/// A bench with two axes controlled by the bridge, and their BenchPower.
 struct Powered {
   FakeBench drives{{"x", "y"}};
   Bench bench{drives.info(), drives.joints()};
@@ -45,7 +45,7 @@ struct Powered {
   }
 };
 
-/// The words of the frames, those of one axis behind the other.
+/// @return the controlwords for an axis, frame by frame.
 std::vector<std::uint16_t> words_of(const BenchPower::Frames& frames, std::uint16_t axis) {
   std::vector<std::uint16_t> words;
   for (const client::SetPointFrame& frame : frames) {
@@ -56,7 +56,7 @@ std::vector<std::uint16_t> words_of(const BenchPower::Frames& frames, std::uint1
   return words;
 }
 
-/// The modes (6060h) that the words of an axis bring, 0 = none.
+/// @return the modes (6060h) sent along with the controlwords of an axis; 0 = none.
 std::vector<int> modes_of(const BenchPower::Frames& frames, std::uint16_t axis) {
   std::vector<int> modes;
   for (const client::SetPointFrame& frame : frames) {
@@ -124,7 +124,7 @@ TEST(BenchPower, ContinuesAfterAQuickStopWithItsPower) {
   EXPECT_THAT(words_of(bench.words(), 2), ElementsAre(0x0F));
 }
 
-// Habit e of docs/guides/be-another-drive.md: a drive that has power takes no other mode.
+// Habit e of docs/guides/be-another-drive.md: the drive refuses a change of mode once it has power.
 TEST(BenchPower, WritesTheModeOfEachJointBeforeItsPower) {
   FakeBench drives({"x", "y"});
   std::vector<ServedJoint> joints = drives.joints();
@@ -147,7 +147,7 @@ TEST(BenchPower, WritesTheModeOfEachJointBeforeItsPower) {
       << "60C2h:01, three offsets and the targets that an axis would follow at once";
 }
 
-// From every state, also where the axis keeps the mode that another program has left.
+// From every state, even where the axis keeps a mode set by another program.
 TEST(BenchPower, LetsAnAxisRestThatGetsItsPower) {
   for (const PowerState from :
        {PowerState::switch_on_disabled, PowerState::ready_to_switch_on, PowerState::switched_on,
@@ -194,7 +194,7 @@ TEST(BenchPower, TakesTheWayWithoutPowerWhereADriveHasNoTransition16) {
   EXPECT_THAT(words_of(bench.words(1s), 2), ElementsAre(0x00, 0x06, 0x07, 0x0F));
 }
 
-// Habit c of docs/guides/be-another-drive.md; d is the one without transition 16.
+// Habit c of docs/guides/be-another-drive.md; habit d, a drive without transition 16, is above.
 TEST(BenchPower, EnablesADriveWhoseQuickStopEndsBeforeItsWord) {
   Powered bench;
   bench.drives.enable();
@@ -206,7 +206,7 @@ TEST(BenchPower, EnablesADriveWhoseQuickStopEndsBeforeItsWord) {
   EXPECT_THAT(words_of(bench.words(500ms), 2), ElementsAre(0x06, 0x07, 0x0F));
 }
 
-// Habit f: of words that come in one tick the drive sees the last one.
+// Habit f: of several controlwords received in one tick, the drive sees only the last one.
 TEST(BenchPower, LeavesAFaultToAPersonWhereADriveHasNotSeenTheReset) {
   Powered bench;
   bench.drives.enable();
@@ -219,7 +219,7 @@ TEST(BenchPower, LeavesAFaultToAPersonWhereADriveHasNotSeenTheReset) {
   }
 }
 
-// Habit g: in Switched on until the power is there.
+// Habit g: the drive stays in Switched on until its power stage is on.
 TEST(BenchPower, RepeatsOnlyTheLastWordWhileThePowerOfADriveIsOnItsWay) {
   Powered bench;
   bench.power.want_enabled(true, false);
@@ -237,7 +237,7 @@ TEST(BenchPower, RepeatsOnlyTheLastWordWhileThePowerOfADriveIsOnItsWay) {
   EXPECT_THAT(bench.written.lines, IsEmpty());
 }
 
-// Habit i: the words behind the reset come in the fault, which ignores them.
+// Habit i: the words after the reset arrive during the fault, in which they are ignored.
 TEST(BenchPower, EnablesADriveThatResetsItsFaultLate) {
   Powered bench;
   bench.drives.enable();
@@ -272,8 +272,8 @@ TEST(BenchPower, DisablesWhatItHasEnabledAndThenGivesItBack) {
               ElementsAre(ControlWish::take, ControlWish::leave, ControlWish::give_back));
 }
 
-// The words act in a later tick than that of the newest state: an axis that was given back before
-// would be enabled without a master.
+// The words act in a later tick than that of the latest state. An axis released before then would
+// be enabled without a master.
 TEST(BenchPower, GivesNothingBackWhileWordsThatEnableAreOnTheirWay) {
   Powered bench;
   bench.power.want_enabled(true, false);
@@ -301,7 +301,7 @@ TEST(BenchPower, GivesBackAfterHalfASecondWhatItsWordsDidNotEnable) {
   bench.power.want_enabled(true, false);
   ASSERT_THAT(bench.words(), SizeIs(3));
   bench.power.want_enabled(false, false);
-  bench.power.want_enabled(false, false);  // two programs may say so
+  bench.power.want_enabled(false, false);  // two programs may request it
   bench.drives.step();
   EXPECT_THAT(bench.words(499ms), IsEmpty());
   EXPECT_FALSE(bench.power.is_disabled(bench.state()));

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// vdrive-ros2 between a bench in the closed mode and nodes of ROS, whose topics are open.
+// vdrive-ros2 between a bench in closed mode and ROS nodes, whose topics are open.
 #include "ros2/ros_peer.hpp"
 #include "security/material.hpp"
 #include "support/temporary_directory.hpp"
@@ -27,7 +27,7 @@ using testing::SizeIs;
 
 namespace fs = std::filesystem;
 
-/// A bench in the closed mode, in realtime; its watchdog does not trip on a busy machine.
+/// A bench in closed mode, in real time, with a watchdog that does not trip on a busy machine.
 class ClosedRosBench : public testing::Test {
  protected:
   ClosedRosBench() {
@@ -62,7 +62,7 @@ TEST_F(ClosedRosBench, MovesForABridgeWithTheIdentityOfAController) {
   ASSERT_TRUE(peer.wait([&] {
     return peer.diagnosis("joint x") == "0 Operation enabled";
   })) << peer.log();
-  // The limits are read after the axes are found: a command before is ignored.
+  // The limits are read after the axes are found; commands received before are ignored.
   EXPECT_TRUE(peer.wait([&] {
     peer.command({"x"}, {0.25});
     return std::abs(*peer.position("x") - 0.25) < 0.01;

@@ -11,14 +11,14 @@
 namespace vdrive::ros2 {
 namespace {
 
-/// A bench with the joints x and y, which the bridge has enabled.
+/// A bench with joints x and y, enabled by the bridge.
 struct Diagnosed : FakeBenches {
   Diagnosed() {
     add(1, {"x", "y"});
     enable();
   }
 
-  /// The levels of the bench and of its joints, and what x says.
+  /// @return the levels of the bench and its joints, and the message about x.
   std::string levels() {
     const auto array = diagnostics_of(benches.views(), "loopback only");
     std::string levels;

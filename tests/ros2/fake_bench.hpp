@@ -19,14 +19,14 @@
 
 namespace vdrive::ros2 {
 
-/// A bench in lock-step with a period of 1 ms, without a network and without a plant: a drive shows
-/// what it was told as its demand, and has no other state.
+/// A bench in lock-step with a period of 1 ms, without a network or a plant: a drive shows its
+/// set-points as demand values, and has no other state.
 class FakeBench {
  public:
-  static constexpr std::uint64_t kSession = 0x0A;  ///< of the bridge
-  static constexpr std::uint64_t kBegin = 1000;    ///< its first tick
+  static constexpr std::uint64_t kSession = 0x0A;  ///< the bridge's session
+  static constexpr std::uint64_t kBegin = 1000;    ///< first tick
 
-  /// @param names of its axes
+  /// @param names of the axes
   explicit FakeBench(std::vector<std::string> names, std::uint32_t number = 1)
       : names_(std::move(names)) {
     info_.number = number;
@@ -38,7 +38,7 @@ class FakeBench {
       info_.axes.emplace_back();
       info_.axes[i].id = id;
       info_.axes[i].name = names_[i];
-      info_.axes[i].unit.size = 2'000.0 * std::numbers::pi;  // 0.001 rad a user unit
+      info_.axes[i].unit.size = 2'000.0 * std::numbers::pi;  // 0.001 rad per user unit
       state_.axes.emplace_back().id = id;
       show(i, PowerState::switch_on_disabled);
     }
@@ -79,7 +79,7 @@ class FakeBench {
     state_.axes[place].status.ds402_statusword = statusword_of(state);
   }
 
-  /// All axes are enabled by the bridge.
+  /// Shows all axes as enabled by the bridge.
   void enable() {
     for (std::size_t i = 0; i < state_.axes.size(); ++i) {
       state_.axes[i].owner_session = kSession;
@@ -87,16 +87,16 @@ class FakeBench {
     }
   }
 
-  /// From now on positions move no drive.
+  /// From now on, positions do not move a drive.
   void hold_streams() { holds_streams_ = true; }
 
-  /// From now on drives take no other mode.
+  /// From now on, drives refuse to change their mode.
   void keep_modes() { keeps_modes_ = true; }
 
-  /// From now on drives show and have a mode this much later.
+  /// From now on, drives change their mode after this delay.
   void delay_modes(std::uint64_t ticks) { mode_delay_ = ticks; }
 
-  /// Does what a link does: takes the wishes of the bridge, and hands it what the bench shows.
+  /// Stands in for a link: takes the wishes of the bridge and passes on the state of the bench.
   void link(Bench& bench) {
     const Bench::Wishes wishes = bench.take_wishes();
     if (wishes.control) control_wishes_.push_back(*wishes.control);
@@ -105,7 +105,7 @@ class FakeBench {
                      wishes.limits);
   }
 
-  /// @return those that link() took, in their order.
+  /// @return the wishes that link() took, in order.
   [[nodiscard]] const std::vector<ControlWish>& control_wishes() const { return control_wishes_; }
 
   client::Outcome take(const std::vector<client::SetPointFrame>& frames) {
@@ -114,10 +114,10 @@ class FakeBench {
     return client::Outcome{};
   }
 
-  /// @return what was sent since the call before.
+  /// @return the frames sent since the previous call.
   std::vector<client::SetPointFrame> take_sent() { return std::exchange(sent_, {}); }
 
-  /// Passes one tick: the frames for it are in force after it, and those that came too late.
+  /// Runs one tick and applies the frames that are due, including late ones.
   void step() {
     ++state_.tick;
     std::erase_if(waiting_, [this](const client::SetPointFrame& frame) {
@@ -133,7 +133,7 @@ class FakeBench {
     });
   }
 
-  /// The number of the tick jumps, and the bench drops the frames that wait.
+  /// Jumps to this tick and drops the waiting frames.
   void count_from(std::uint64_t tick) {
     state_.tick = tick;
     waiting_.clear();
@@ -141,10 +141,10 @@ class FakeBench {
   }
 
  private:
-  /// A mode that is not in force yet.
+  /// A mode that is not yet active.
   struct LateMode {
     OperatingMode mode = OperatingMode::none;
-    std::uint64_t tick = 0;  ///< in which it is
+    std::uint64_t tick = 0;  ///< in which it becomes active
   };
 
   void take_mode(std::uint16_t number, OperatingMode mode) {
@@ -179,13 +179,13 @@ class FakeBench {
   std::vector<client::SetPointFrame> waiting_;
   std::vector<client::SetPointFrame> sent_;
   std::vector<ControlWish> control_wishes_;
-  std::map<std::uint16_t, LateMode> late_modes_;  ///< by the number of the axis
+  std::map<std::uint16_t, LateMode> late_modes_;  ///< by axis number
   std::uint64_t mode_delay_ = 0;                  ///< [ticks]
   bool holds_streams_ = false;
   bool keeps_modes_ = false;
 };
 
-/// Reports, and the lines that were written.
+/// Reports, with the lines that were written.
 struct WrittenReports {
   std::vector<std::string> lines;
   bridge::Reports reports{"test", [this](bridge::Severity, const std::string& line) {

@@ -13,12 +13,12 @@
 
 namespace vdrive::ros2 {
 
-/// Benches without a network, and what the bridge makes of them.
+/// Benches without a network, served by the bridge.
 struct FakeBenches : BenchAccess {
   explicit FakeBenches(Settings with = {}) : settings(std::move(with)) {}
 
   Settings settings;
-  std::map<std::uint32_t, FakeBench> drives{};  ///< those that are there
+  std::map<std::uint32_t, FakeBench> drives{};  ///< those present
   WrittenReports written{};
   std::vector<const BenchMotion*> restarted{};
   ServedBenches benches{FakeBench::kSession, settings, written.reports, *this};
@@ -47,7 +47,7 @@ struct FakeBenches : BenchAccess {
     drives.emplace(number, FakeBench(std::move(names), number));
   }
 
-  /// Searches a second later than before.
+  /// Searches for benches, a second after the previous search.
   void find() {
     time += std::chrono::seconds(1);
     benches.find(time);
@@ -55,7 +55,7 @@ struct FakeBenches : BenchAccess {
 
   BenchMotion& motion(std::uint32_t bench = 1) { return benches.motion_of(bench); }
 
-  /// A turn of the controller.
+  /// One turn of the controller.
   void turn() {
     for (auto& [number, bench] : benches.all()) {
       if (drives.contains(number)) drives.at(number).link(*bench.bench);
@@ -66,7 +66,7 @@ struct FakeBenches : BenchAccess {
     trajectories.forget_ended();
   }
 
-  /// Passes ticks of all benches, with a turn after each.
+  /// Steps all benches, with a turn after each tick.
   void run(int ticks) {
     for (int tick = 0; tick < ticks; ++tick) {
       for (auto& [number, bench] : drives) bench.step();

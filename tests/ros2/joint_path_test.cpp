@@ -27,8 +27,8 @@ TEST(JointPath, IsAStraightLineBetweenPointsThatHavePositionsOnly) {
 }
 
 TEST(JointPath, IsCubicBetweenPointsThatHaveVelocities) {
-  // From rest to rest in 2 s: p = 3 s² - 2 s³ of the way, s = t/2. In the middle half of the way,
-  // at 1.5 times the mean speed.
+  // From rest to rest in 2 s: 3 s² - 2 s³ of the distance, with s = t/2. At half time, half the
+  // distance and 1.5 times the mean velocity.
   const JointPath cubic = path({0.0}, {{.time = 2.0, .position = 4.0, .velocity = 0.0}});
   EXPECT_DOUBLE_EQ(cubic.at(1.0).position, 2.0);
   EXPECT_DOUBLE_EQ(cubic.at(1.0).velocity, 3.0);
@@ -36,7 +36,7 @@ TEST(JointPath, IsCubicBetweenPointsThatHaveVelocities) {
 }
 
 TEST(JointPath, IsQuinticBetweenPointsThatHaveAccelerations) {
-  // p = 10 s³ - 15 s⁴ + 6 s⁵ of the way: at s = 1/2 half of it, with 15/8 of the mean speed.
+  // 10 s³ - 15 s⁴ + 6 s⁵ of the distance: at s = 1/2 half of it, at 15/8 of the mean velocity.
   const JointPath quintic =
       path({0.0}, {{.time = 2.0, .position = 4.0, .velocity = 0.0, .acceleration = 0.0}});
   EXPECT_DOUBLE_EQ(quintic.at(1.0).position, 2.0);
@@ -76,7 +76,7 @@ TEST(JointPath, ContinuesAPresentMotionWithoutAStep) {
 }
 
 TEST(JointPath, NamesTheVelocityLimitThatItsExtremeBreaks) {
-  // The peak of 3 rad/s is between the points, which are at rest.
+  // The peak of 3 rad/s is between the points, at which the joint is at rest.
   const JointPath cubic = path({0.0}, {{.time = 2.0, .position = 4.0, .velocity = 0.0}});
   JointLimits limits;
   limits.velocity = 3.0;
@@ -88,7 +88,7 @@ TEST(JointPath, NamesTheVelocityLimitThatItsExtremeBreaks) {
 }
 
 TEST(JointPath, NamesThePositionLimitThatItOvershootsBetweenPoints) {
-  // From 0 to 0 in 1 s with v0 = 4: p = 4t - 8t² + 4t³, greatest at t = 1/3: 16/27.
+  // From 0 to 0 in 1 s with v0 = 4: p = 4t - 8t² + 4t³, with its maximum at t = 1/3: 16/27.
   const JointPath cubic = path({0.0, 4.0}, {{.time = 1.0, .position = 0.0, .velocity = 0.0}});
   JointLimits limits;
   limits.upper = 16.0 / 27.0;
@@ -117,8 +117,8 @@ TEST(JointPath, CanReturnFromBeyondALimit) {
   EXPECT_TRUE(path({2.0}, {{.time = 1.0, .position = 2.1}}).check(limits, "rad"));
 }
 
-// Each number is finite, but the differences are not: the coefficients would be not a number, which
-// is above no limit.
+// Each number is finite but the differences are not. The coefficients would be NaN, which exceeds
+// no limit.
 TEST(JointPath, IsRefusedWhenItCannotBeCalculated) {
   const JointLimits none;
   const JointPath quintic =
@@ -149,8 +149,8 @@ TEST(Polynomial, OfFifthDegreeHasTheAccelerationsToo) {
 }
 
 TEST(Polynomial, HasItsExtremesInsideOrAtTheEnds) {
-  // t³ - 3t² + 2t: its slope 3t² - 6t + 2 is 0 at 1 - 1/sqrt(3) and 1 + 1/sqrt(3), where it is
-  // 2/(3 sqrt(3)) = 0.3849 and the negative of that.
+  // t³ - 3t² + 2t: its derivative 3t² - 6t + 2 is 0 at 1 - 1/sqrt(3) and 1 + 1/sqrt(3), where the
+  // value is 2/(3 sqrt(3)) = 0.3849 and its negative.
   const Polynomial wave{0.0, 2.0, -3.0, 1.0};
   const Extremes inside = extremes(wave, 2.0);
   EXPECT_NEAR(inside.high, 0.384900179459750, 1e-12);

@@ -12,7 +12,7 @@
 namespace vdrive::ros2 {
 namespace {
 
-/// The plan of an enabled joint that rests at 0, and the drive behind it.
+/// The plan of an enabled joint at rest at 0, and its drive.
 struct Planned {
   FakeBench drives{{"x"}};
   ServedJoint joint{drives.joints()[0]};
@@ -29,7 +29,7 @@ struct Planned {
             .period = 0.001};
   }
 
-  /// Passes the tick in which the drive takes the mode of the duty.
+  /// Runs the tick in which the drive changes to the mode of the duty.
   void enter() {
     const auto mode = plan.mode_point(now(), drives.tick() + 1);
     ASSERT_TRUE(mode);
@@ -38,7 +38,7 @@ struct Planned {
     EXPECT_TRUE(plan.settles(now()));
   }
 
-  /// Sends the set-point of the next tick and passes it.
+  /// Sends the set-point of the next tick and runs that tick.
   void step() {
     client::SetPointFrame frame{.tick = drives.tick() + 1};
     frame.axes.push_back(plan.next_point(now(), frame.tick));
@@ -103,7 +103,7 @@ TEST(JointPlan, RampsToAVelocityAndKeepsIt) {
   int ticks = 0;
   while (joint.plan.streams() && ++ticks < 1'000) {
     joint.step();
-    // 50 rad/s² are 0.05 rad/s a tick, 50 of 0.001 rad/s, rounded twice.
+    // 50 rad/s² are 0.05 rad/s per tick, 50 units of 0.001 rad/s; two roundings.
     EXPECT_LE(shown.velocity_demand_value - last, 51);
     last = shown.velocity_demand_value;
   }
@@ -115,7 +115,7 @@ TEST(JointPlan, RampsToAVelocityAndKeepsIt) {
   EXPECT_FALSE(joint.plan.streams());
 }
 
-// 0.1 rad/s every 10 ms are 10 rad/s²: 10 of 0.001 rad/s in each tick.
+// 0.1 rad/s every 10 ms are 10 rad/s²: 10 units of 0.001 rad/s per tick.
 TEST(JointPlan, LeadsAStreamOfVelocitiesInAStraightLine) {
   Planned joint;
   joint.plan.run(joint.now(), Duty::velocity, 0.1);
@@ -154,7 +154,7 @@ TEST(JointPlan, RampsToAnEffortInThousandthsOfTheRatedTorque) {
   int last = 0;
   for (int tick = 0; tick < 1'000 && joint.plan.streams(); ++tick) {
     joint.step();
-    // 30 N.m/s are 0.03 N.m a tick, 10 of 0.003 N.m, rounded twice.
+    // 30 N.m/s are 0.03 N.m per tick, 10 units of 0.003 N.m; two roundings.
     EXPECT_GE(shown.torque_demand - last, -11);
     last = shown.torque_demand;
   }
@@ -222,7 +222,7 @@ TEST(JointPlan, WritesAVelocityThatTheDriveHoldsBackOnlyWithACommand) {
   joint.enter();
   while (joint.plan.streams()) joint.step();
   joint.drives.axis(0).status.velocity_demand_value = 0;
-  joint.drives.show(0, PowerState::operation_enabled);  // bit 12 is 0: a limit switch, a halt
+  joint.drives.show(0, PowerState::operation_enabled);  // bit 12 is 0: limit switch or halt
   joint.drives.step();
   EXPECT_EQ(joint.plan.check_end(joint.now()), JointPlan::End::open);
   EXPECT_FALSE(joint.plan.streams());
@@ -230,7 +230,7 @@ TEST(JointPlan, WritesAVelocityThatTheDriveHoldsBackOnlyWithACommand) {
   EXPECT_TRUE(joint.plan.streams());
 }
 
-// The bench has passed the set-points that were sent, and holds the velocity of the last one.
+// The bench has overtaken the set-points and holds the velocity of the last one.
 TEST(JointPlan, LeadsOnFromTheVelocityThatTheDriveHolds) {
   Planned joint;
   joint.plan.run(joint.now(), Duty::velocity, 1.0);
@@ -244,7 +244,7 @@ TEST(JointPlan, LeadsOnFromTheVelocityThatTheDriveHolds) {
       << "0.05 rad/s a tick";
 }
 
-// Its state may be older than a mode that is on its way to the drive.
+// The received state may be older than a mode command still in transit.
 TEST(JointPlan, WaitsForAModeThatIsShownAlreadyUntilItWasReached) {
   Planned joint;
   joint.drives.axis(0).status.op_mode_actual =

@@ -10,7 +10,7 @@ using namespace std::chrono_literals;
 
 constexpr StateTimes::Clock::time_point kTimesBegin{1h};
 
-/// A bench with ticks of 1 ms whose states are published a hundred times a second.
+/// A bench with ticks of 1 ms; its states are published at 100 Hz.
 struct Timed {
   client::BenchInfo bench{};
   StateTimes times{100.0};

@@ -36,7 +36,7 @@ TEST(JointTracker, RestsExactlyAtTheLastPosition) {
   }
   EXPECT_EQ(tracker.now().position, 1.0);
   EXPECT_LE(highest, 1.0 + 1e-12) << "no overshoot";
-  // 10 rad/s after 0.1 s and 0.5 rad, and the same to rest: 0.2 s.
+  // 0.1 s and 0.5 rad to 10 rad/s, and the same to rest: 0.2 s.
   EXPECT_NEAR(ticks, 200, 3);
 }
 
@@ -45,7 +45,7 @@ TEST(JointTracker, FollowsARampOfSeparatePositionsAtConstantSpeed) {
   double slowest = 1e9;
   double fastest = 0.0;
   for (int command = 1; command <= 100; ++command) {
-    tracker.go_to(0.01 * command, 0.015);  // 1 rad/s at 100 Hz, the line half as long again
+    tracker.go_to(0.01 * command, 0.015);  // 1 rad/s at 100 Hz; the line is half as long again
     for (int tick = 0; tick < 10; ++tick) {
       const double speed = tracker.step(kTick, limits()).velocity;
       if (command > 50) {
@@ -93,7 +93,7 @@ TEST(ValueLine, StaysAtItsStartUntilAValueArrives) {
   EXPECT_EQ(line.step(kTick, 1.0), 0.7);
 }
 
-// 1 in 10 ms is 0.1 a tick.
+// 1 in 10 ms is 0.1 per tick.
 TEST(ValueLine, ReachesAValueInAStraightLineAndExactly) {
   ValueLine line(0.0);
   line.go_to(1.0, 0.01);
@@ -110,7 +110,7 @@ TEST(ValueLine, ReachesAValueInAStraightLineAndExactly) {
   EXPECT_NEAR(ticks, 10, 1);
 }
 
-// A line that would have 0.1 a tick has 0.02.
+// The slope limits a line of 0.1 per tick to 0.02.
 TEST(ValueLine, IsAsSlowAsItsSlope) {
   ValueLine line(0.0);
   line.go_to(-1.0, 0.01);

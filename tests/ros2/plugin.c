@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-// Acts as joint_state_topic_hardware_interface, with Cyclone DDS:
+// Imitates joint_state_topic_hardware_interface, with Cyclone DDS:
 //
 //   ros2_plugin DOMAIN JOINT JOINT
 //
-// It reads /joint_states best effort and writes /robot_joint_commands, depth 1, only while the sum
-// of |state - command| is above 1e-5: NaN first, then a sine of 0.5 rad on both joints for four
-// seconds, then nothing for ten. Exit code 0: both joints followed, and stayed where they were
-// afterwards.
+// It reads /joint_states with best effort and writes /robot_joint_commands with depth 1, but only
+// while the sum of |state - command| is above 1e-5: first NaN, then a sine of 0.5 rad on both
+// joints for four seconds, then nothing for ten. Exit code 0: both joints followed, and stayed in
+// place afterwards.
 #include "ros_messages.h"
 
 #include <dds/dds.h>
@@ -32,7 +32,7 @@ typedef struct Plugin {
   int received;
   int written;
   double furthest;
-  double largest_step;  // between two states
+  double largest_step;  // between two consecutive states
 } Plugin;
 
 static void fail(const char* text) {

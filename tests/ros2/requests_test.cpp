@@ -21,7 +21,7 @@ using testing::SizeIs;
 
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 
-/// Joints a, b and c at places 0, 1 and 2 of bench 1.
+/// Joints a, b and c are at places 0, 1 and 2 of bench 1.
 std::optional<JointPlace> find_plain(const std::string& name, std::string& problem) {
   if (name.size() != 1 || name < "a" || name > "c") {
     problem = "is unknown, known are a, b, c";
@@ -30,7 +30,7 @@ std::optional<JointPlace> find_plain(const std::string& name, std::string& probl
   return JointPlace{.bench = 1, .place = static_cast<std::size_t>(name[0] - 'a')};
 }
 
-/// The same; c is commanded by velocity, the others by position.
+/// The same, with c commanded by velocity and the others by position.
 std::optional<JointPlace> find_declared(const std::string& name, std::string& problem) {
   auto joint = find_plain(name, problem);
   if (joint)
@@ -212,7 +212,7 @@ TEST(Joints, ThatAreUnknownGetTheNearestNameAndTheFirstKnownOnes) {
   EXPECT_EQ(sut.unknown("lifr"), "is unknown, no bench is served yet") << "of the joints of now";
 }
 
-// 8 of the 1,000 names are in the message, and the name beside the unknown one is found.
+// The message contains 8 of the 1,000 names, and the known name among them is found.
 TEST(Joints, ThatAreUnknownGetAMessageOfBoundedLength) {
   JointDirectory sut;
   std::vector<ServedJoint> many;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The program vdrive-ros2 between a service and nodes of ROS.
+// The program vdrive-ros2 between a service and ROS nodes.
 #include "client/session_options.hpp"
 #include "ros2/ros_peer.hpp"
 #include "support/temporary_directory.hpp"
@@ -34,11 +34,11 @@ using testing::SizeIs;
 using testing::StartsWith;
 
 constexpr double kTurn = 2.0 * std::numbers::pi;
-constexpr double kUnit = kTurn / 4096.0;   // [rad] of a user unit of the default axis
+constexpr double kUnit = kTurn / 4096.0;   // [rad] per user unit of the default axis
 constexpr std::int64_t kTick = 1'000'000;  // [ns]
 constexpr std::int64_t kSecond = 1'000'000'000;
 
-/// A configuration of a bench. Axes are called x and y unless `names` gives others.
+/// A configuration file of a bench. The axes are called x and y unless `names` gives others.
 class BenchFile {
  public:
   explicit BenchFile(const std::string& text) {
@@ -53,23 +53,25 @@ class BenchFile {
   TemporaryDirectory directory_;
 };
 
-/// Steps a bench, the bridge and its peer together.
+/// Steps a bench together with the bridge and its ROS peer.
 class Stepper {
  public:
   Stepper(Session& session, const RosPeer& peer, std::uint32_t bench = 1, std::string joint = "x")
       : session_(session), peer_(peer), bench_(bench), joint_(std::move(joint)) {}
 
-  /// Steps and waits until the bridge has published the tick: its set-points are sent by then.
+  /// Steps, then waits until the bridge has published the tick, by which time it has sent its
+  /// set-points.
   void step(std::uint64_t ticks) {
     const auto reached = session_.step(bench_, ticks);
     ASSERT_TRUE(reached) << reached.outcome().message();
     tick_ = *reached;
-    // The clock of a tick is published with its state, but read reliably.
+    // The clock of a tick is published together with its state, but with reliable delivery.
     ASSERT_TRUE(peer_.wait_for_stamp(joint_, static_cast<std::int64_t>(tick_) * kTick))
         << "tick " << tick_ << ", the clock is at tick " << peer_.clock() / kTick;
   }
 
-  /// Steps in tens until the condition holds. @return false after 20 s of drive time.
+  /// Steps ten ticks at a time until the condition holds.
+  /// @return false after 20 s of drive time.
   template <typename Condition>
   [[nodiscard]] bool step_until(const Condition& condition) {
     for (int i = 0; i < 2'000; ++i) {
@@ -217,7 +219,7 @@ TEST(Ros2, PublishesWholeArraysInTheUnitsOfTheJoints) {
   EXPECT_THAT(state->position, SizeIs(2));
   EXPECT_THAT(state->velocity, SizeIs(2));
   EXPECT_THAT(state->effort, SizeIs(2));
-  // In realtime drive time is the time of the day.
+  // In real time, drive time is the time of day.
   const auto now = std::chrono::duration_cast<std::chrono::seconds>(
       std::chrono::system_clock::now().time_since_epoch());
   EXPECT_NEAR(static_cast<double>(state->header.stamp.sec), static_cast<double>(now.count()), 20.0);
@@ -248,7 +250,7 @@ TEST(Ros2, CommandsNothingUntilItIsEnabledAndDisablesAxesAtItsEnd) {
 TEST(Ros2, ShowsTheJointsToANodeThatStartsBetweenTwoSteps) {
   LockStep bench("");
   bench.stepper().step(10);
-  // All that follows is between two steps.
+  // Everything below happens between two steps.
   const RosPeer late;
   EXPECT_TRUE(late.wait_for_stamp("x", 10 * kTick));
   EXPECT_TRUE(late.wait([&] {
@@ -262,7 +264,7 @@ std::size_t count_of(const std::string& text, const std::string& part) {
   return count;
 }
 
-// In realtime, where an ended session loses its axes. A watchdog of five seconds does not
+// In real time, where a session that ends loses its axes. A watchdog time of five seconds does not
 // trip on a busy machine.
 TEST(Ros2Control, IsAwaitedWithOneLogLineAndTakenAfterItsOwnerEnded) {
   const BenchFile file(
@@ -284,7 +286,7 @@ TEST(Ros2Control, IsAwaitedWithOneLogLineAndTakenAfterItsOwnerEnded) {
   EXPECT_THAT(name, testing::StartsWith("vdrive-ros2 (process "));
   const std::string waits = "bench 1: " + name + " controls 2 of its 2 axes";
   ASSERT_TRUE(other.wait_for_log(waits)) << other.log();
-  // 300 messages of joint states are three seconds, in which the bridge checks 15 times.
+  // 300 joint state messages take three seconds, in which the bridge checks 15 times.
   const std::size_t states = other.states();
   ASSERT_TRUE(other.wait([&] {
     return other.states() >= states + 300;
@@ -325,8 +327,8 @@ TEST(Ros2Control, IsTakenForAllAxesOrForNone) {
   EXPECT_THAT(peer.log(), HasSubstr("takes control: its axes are free of ros2_test (process "));
 }
 
-// While time stands, an axis has not stopped yet when the bridge ends: it stays with the session of
-// the bridge, and the Shutdown that the bridge sent stops it in the next ticks.
+// Without steps, an axis has not stopped yet when the bridge ends. It therefore stays with the
+// session of the bridge, whose Shutdown command stops it in the next ticks.
 TEST(Ros2Control, OfAJointThatRunsIsKeptWhenTheBridgeEndsAndTheJointStops) {
   LockStep bench;
   bench.peer().command_velocity({"x"}, {1.0});
@@ -362,14 +364,14 @@ TEST(Ros2Commands, MoveToAPositionAndHoldItWithoutFurtherCommands) {
 TEST(Ros2Commands, NeverJump) {
   LockStep bench("--enable --rate 1000");
   bench.peer().command({"x"}, {20.0});
-  // Of the default axis: 136,533 UU/s and 409,600 UU/s², so 137 UU and 0.41 UU a tick.
+  // Default axis: 136,533 UU/s and 409,600 UU/s², so 137 UU and 0.41 UU per tick.
   std::int32_t position = 0;
   std::int32_t step = 0;
   int largest_step = 0;
   for (int tick = 0; tick < 600; ++tick) {
     bench.stepper().step(1);
     const std::int32_t now = bench.axis().status.position_demand_value;
-    EXPECT_LE(std::abs(now - position - step), 2) << tick;  // rounded twice
+    EXPECT_LE(std::abs(now - position - step), 2) << tick;  // two roundings
     step = now - position;
     largest_step = std::max(largest_step, step);
     position = now;
@@ -462,7 +464,8 @@ TEST(Ros2Commands, HaveTheirOrderForEachWriterAndAnewAfterEnable) {
   EXPECT_TRUE(reaches(30)) << "it starts anew";
 }
 
-/// Objects that limit the positions of an axis, the nearest position beyond them and one within.
+/// Objects that limit the positions of an axis, the nearest position beyond the limit, and one
+/// within.
 struct PositionLimits {
   std::vector<std::pair<ObjectAddress, std::int64_t>> objects;
   std::int32_t beyond;
@@ -480,7 +483,7 @@ TEST_P(LimitedCommands, ReachNoPositionBeyondTheLimitsOfTheDrive) {
     return is_enabled(bench.session(), "1.1");
   }));
   bench.stepper().step(10);
-  // The limits are read again every two seconds of wall time.
+  // The limits are read every two seconds of wall-clock time.
   ASSERT_TRUE(bench.peer().wait([&] {
     bench.peer().command({"x"}, {GetParam().beyond * kUnit});
     return bench.peer().log().find("is beyond the limits") != std::string::npos;
@@ -491,8 +494,8 @@ TEST_P(LimitedCommands, ReachNoPositionBeyondTheLimitsOfTheDrive) {
   }));
 }
 
-// 6062h of a modulo axis shows no place beyond its range: the bridge would go there again and
-// again.
+// 6062h of a modulo axis never shows a position beyond its range, so the bridge would command it
+// forever.
 INSTANTIATE_TEST_SUITE_P(
     Objects, LimitedCommands,
     testing::Values(
@@ -522,7 +525,7 @@ TEST(Ros2Commands, MoveADriveThatTakesNoOtherModeWithItsPower) {
   EXPECT_EQ(bench.axis().status.velocity_demand_value, 0);
 }
 
-// After a pause the state of the bridge is old: its set-points are for past ticks.
+// After a pause the bridge's state is out of date: its set-points are for past ticks.
 TEST(Ros2Commands, ReachTheirGoalAfterAPauseOfTheBridge) {
   const RunningService service("--clock realtime");
   RosPeer peer;
@@ -614,8 +617,8 @@ TEST(Ros2Commands, OfVelocityDoNotWaitForThe60C2hOfAnotherMaster) {
 
 // ---- trajectories ----------------------------------------------------------------------------
 
-// The curve q(s) = A (s - sin(2 pi s) / 2 pi), s = t / T: at rest at both ends, with v = A / T
-// (1 - cos 2 pi s) and a = 2 pi A / T² sin 2 pi s.
+// The curve q(s) = A (s - sin(2 pi s) / 2 pi), s = t / T: at rest at both ends, with v = A / T (1 -
+// cos 2 pi s) and a = 2 pi A / T² sin 2 pi s.
 struct Curve {
   double amplitude;
   double duration;
@@ -649,7 +652,7 @@ TEST(Ros2Trajectory, OfFiftyPointsIsFollowedAlongItsAnalyticCurve) {
   }
   const std::uint64_t start = bench.stepper().tick() + 200;
   bench.peer().start(trajectory({"x", "y"}, points, static_cast<std::int64_t>(start) * kTick));
-  // The trajectory waits for its time, and its start is reported.
+  // The trajectory waits for its start time; its start is reported.
   double furthest = 0.0;
   double largest_error = 0.0;
   bool has_started = false;
@@ -659,8 +662,8 @@ TEST(Ros2Trajectory, OfFiftyPointsIsFollowedAlongItsAnalyticCurve) {
         (static_cast<double>(bench.stepper().tick()) - static_cast<double>(start)) * 1e-3;
     const AxisStatus one = bench.axis("1.1").status;
     const AxisStatus other = bench.axis("1.2").status;
-    // The demand is the curve, rounded to a user unit; between points quintic polynomials differ
-    // from it by less than 1e-6 rad.
+    // The demand is the curve rounded to user units; between points, the quintic polynomials
+    // deviate from it by less than 1e-6 rad.
     EXPECT_NEAR(one.position_demand_value * kUnit, x.position(time), 0.51 * kUnit + 1e-6) << time;
     EXPECT_NEAR(other.position_demand_value * kUnit, y.position(time), 0.51 * kUnit + 1e-6) << time;
     largest_error = std::max(largest_error,
@@ -670,8 +673,8 @@ TEST(Ros2Trajectory, OfFiftyPointsIsFollowedAlongItsAnalyticCurve) {
   }
   EXPECT_TRUE(has_started);
   EXPECT_NEAR(furthest, 5.0, 2 * kUnit);
-  // A position loop of 16 Hz without feed-forward lags by v / (2 pi 16/s); the axis has
-  // feed-forward, and lags less. The fastest is 10 rad/s.
+  // A position loop of 16 Hz without feed-forward lags by v / (2 pi 16/s); this axis has
+  // feed-forward and lags less. The highest velocity is 10 rad/s.
   EXPECT_LT(largest_error, 10.0 / (kTurn * 16.0));
   EXPECT_NEAR(*bench.peer().position("y"), -5.0, 2 * kUnit) << "held at the end";
 }
@@ -689,7 +692,7 @@ TEST(Ros2Trajectory, ThatStartsIn2038IsRefusedAndTheNextOneStarts) {
   }));
 }
 
-/// A trajectory whose message has some 44 bytes a point.
+/// @return a trajectory whose message has some 44 bytes per point.
 ros::JointTrajectory long_trajectory(std::size_t points) {
   ros::JointTrajectory message;
   message.joint_names = {"x"};
@@ -716,7 +719,7 @@ TEST(Ros2Trajectory, ThatIsTooLargeToBeReadIsALineInTheLog) {
 
 // ---- several benches, restarts ---------------------------------------------------------------
 
-/// Two benches in lock-step, whose axes bench1_x, bench1_y, bench2_x and bench2_y are enabled.
+/// Two benches in lock-step, with their axes bench1_x, bench1_y, bench2_x and bench2_y enabled.
 class TwoBenches {
  public:
   TwoBenches()
@@ -786,8 +789,8 @@ TEST(Ros2, StopsTheJointsOfATrajectoryOnAnotherBenchWhenAnAxisFails) {
   ASSERT_TRUE(benches.session().axis("1.1")->disturb(client::Disturbance::encoder_failure));
   for (int i = 0; i < 5; ++i) benches.step();
   EXPECT_TRUE(peer.wait_for_log("stopped, joint bench1_x shows"));
-  // 6 rad in 4 s by a cubic: 2.25 rad/s at most; a ramp of the default axis, 409,600 UU/s² = 628
-  // rad/s², ends that within 4 ticks. 100 ticks of set-points may be on their way.
+  // 6 rad in 4 s on a cubic: at most 2.25 rad/s. The ramp of the default axis, 409,600 UU/s² = 628
+  // rad/s², stops that within 4 ticks. Up to 100 ticks of set-points may be in transit.
   for (int i = 0; i < 20; ++i) benches.step();
   const std::int32_t rest = benches.demand("2.1");
   EXPECT_LT(rest, std::lround(5.0 / kUnit));
@@ -824,8 +827,8 @@ TEST(Ros2, ContinuesAfterARestartOfTheService) {
 }
 
 #ifdef VDRIVE_ROS2_PLUGIN
-// In realtime: a second vendor's program with the habits of ros2_control's plugin writes NaN first,
-// then a sine on two of three joints at 100 Hz, then nothing for ten seconds.
+// In real time: another vendor's program that behaves like the ros2_control plugin. It writes NaN
+// first, then a sine on two of three joints at 100 Hz, then nothing for ten seconds.
 TEST(Ros2Plugin, OfAnotherVendorMovesTwoAxesAndCanStopWritingForTenSeconds) {
   const RunningService service("--axes 3");
   Session session(options());

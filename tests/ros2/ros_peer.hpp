@@ -15,23 +15,23 @@
 
 namespace vdrive::test {
 
-/// vdrive-ros2 of this build on the domain of this test.
+/// A running vdrive-ros2 of this build, on the domain of this test.
 class RunningBridge {
  public:
-  /// @param words command line beside the domain
+  /// @param words command line without the domain
   explicit RunningBridge(const std::string& words = "");
 
-  ~RunningBridge();  ///< ends it as a user would; the test fails when it ended otherwise
+  ~RunningBridge();  ///< ends it like stop(); the test fails if it ended otherwise
   RunningBridge(const RunningBridge&) = delete;
   RunningBridge& operator=(const RunningBridge&) = delete;
 
-  /// Ends it as a user would.
+  /// Ends it as a user would, with SIGTERM.
   Finished stop();
 
   /// Kills it, so that it cannot release its axes.
   void kill();
 
-  /// Pauses the bridge, and continues it.
+  /// Pause and resume its process.
   void pause();
   void go_on();
 
@@ -40,12 +40,13 @@ class RunningBridge {
   bool has_ended_ = false;
 };
 
-/// A node of ROS: reads the topics of the bridge, and commands it.
+/// A ROS node that reads the topics of the bridge and sends it commands.
 class RosPeer {
  public:
   explicit RosPeer(const std::string& name_space = "");
 
-  /// Waits until the bridge reads what this writes, and back. @return false after 20 s.
+  /// Waits until the bridge and this node read each other's topics.
+  /// @return false after 20 s.
   [[nodiscard]] bool wait_for_bridge();
 
   void command(ros::JointState message) { (void)commands_->write(message); }
@@ -59,34 +60,35 @@ class RosPeer {
 
   void enable(bool value);
 
-  /// This node writes joint commands no longer.
+  /// Stops writing joint commands: deletes the writer.
   void stop_commanding() { commands_.reset(); }
 
-  /// @return the newest state of the bench that has this joint.
+  /// @return the latest state of the bench with this joint.
   [[nodiscard]] std::optional<ros::JointState> state(const std::string& joint) const;
 
-  /// @return the newest position, or nothing.
+  /// @return the latest position, if any.
   [[nodiscard]] std::optional<double> position(const std::string& joint) const;
   [[nodiscard]] std::optional<double> velocity(const std::string& joint) const;
 
-  /// @return the level and the message of the newest diagnostics about a name.
+  /// @return level and message of the latest diagnostics about this name.
   [[nodiscard]] std::string diagnosis(const std::string& name) const;
 
-  /// @return the lines of rosout so far, each with a line end.
+  /// @return all lines of rosout so far, each with a line feed.
   [[nodiscard]] std::string log() const;
 
-  /// @return [ns], 0 before the first.
+  /// @return [ns]; 0 before the first message.
   [[nodiscard]] std::int64_t clock() const;
 
-  /// Waits until the condition holds, checked after each message. @return false after 30 s.
+  /// Waits until the condition holds, checking it after each message.
+  /// @return false after 30 s.
   [[nodiscard]] bool wait(const std::function<bool()>& condition) const;
 
-  /// Waits until the state of the bench with this joint is of this time or later.
+  /// Waits for a state of the bench with this joint whose stamp is this time or later.
   [[nodiscard]] bool wait_for_stamp(const std::string& joint, std::int64_t nanoseconds) const;
 
   [[nodiscard]] bool wait_for_log(const std::string& text) const;
 
-  /// @return messages of joint states so far.
+  /// @return the number of joint state messages so far.
   [[nodiscard]] std::size_t states() const;
 
  private:
@@ -102,7 +104,7 @@ class RosPeer {
 
   mutable std::mutex mutex_;
   mutable std::condition_variable changed_;
-  std::vector<ros::JointState> states_;  ///< the newest of each bench
+  std::vector<ros::JointState> states_;  ///< the latest of each bench
   std::size_t count_ = 0;
   ros::DiagnosticArray diagnostics_;
   std::string log_;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Stamps of messages: their order by writer, and how far ahead they may be.
+// Message stamps: their order for each writer, and how far ahead they may be.
 #include "ros_time.hpp"
 
 #include "drops.hpp"

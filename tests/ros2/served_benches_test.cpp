@@ -48,7 +48,7 @@ TEST(ServedBenches, LeaveOutABenchWhoseJointsClashUntilTheNameIsFree) {
   fake.find();
   EXPECT_THAT(fake.written.lines, SizeIs(2)) << "what is left out is said once";
   fake.drives.erase(1);
-  for (int second = 0; second < 61; ++second) fake.find();  // after a minute bench 1 has gone
+  for (int second = 0; second < 61; ++second) fake.find();  // bench 1 is dropped after a minute
   EXPECT_EQ(fake.benches.find_joint("x")->bench, 2U);
   EXPECT_THAT(fake.benches.views().at(2).problem, IsEmpty());
 }
@@ -62,7 +62,7 @@ TEST(ServedBenches, ReplaceABenchThatWasRestarted) {
   fake.find();
   EXPECT_THAT(fake.restarted, ElementsAre(before));
   EXPECT_EQ(fake.benches.all().at(1).bench->info().incarnation, 17U);
-  // That it was found again is the same text within a second: it is left out.
+  // The report that it was found is a repeated text within a second, so it is left out.
   EXPECT_THAT(fake.written.lines, ElementsAre(HasSubstr("found"), "bench 1: was restarted"));
 }
 

@@ -12,7 +12,7 @@ namespace {
 using testing::IsEmpty;
 using testing::SizeIs;
 
-/// The set-points of a bench in lock-step, whose joints x and y rest.
+/// The set-points of a bench in lock-step with joints x and y at rest.
 struct Streamed {
   FakeBench drives{{"x", "y"}};
   Bench bench{drives.info(), drives.joints()};
@@ -95,7 +95,7 @@ TEST(SetPointStream, BeginsWithPositionsOnceAJointHasComeToRest) {
   EXPECT_THAT(sut.stream.points(sut.now()), SizeIs(21)) << "ticks 1,020 to 1,040";
 }
 
-// ---- how far ahead
+// ---- lead over the bench
 
 TEST(SetPointLead, IsWallTimeInTicksOfTheBench) {
   SetPointLead lead(ClockMode::realtime, 0.001);

@@ -18,7 +18,7 @@ using testing::HasSubstr;
 using testing::IsEmpty;
 using testing::Not;
 
-/// Two benches, whose joints x and y, and z, are enabled. Nothing is in the log.
+/// Two benches with their joints enabled: x and y, and z. The log is empty.
 struct Moved : FakeBenches {
   Moved() {
     add(1, {"x", "y"});
@@ -27,7 +27,7 @@ struct Moved : FakeBenches {
     written.lines.clear();
   }
 
-  /// Goes to `positions`, where it is `arrival` seconds after its stamp.
+  /// Sends a trajectory to `positions` that arrives `arrival` seconds after its stamp.
   void send(std::vector<std::string> names, std::vector<double> positions, double arrival = 1.0,
             std::int64_t stamp = 0) {
     ros::JointTrajectory message;
@@ -45,7 +45,7 @@ struct Moved : FakeBenches {
     return drives.at(bench).axis(place).status.position_demand_value;
   }
 
-  /// [ns] after the present tick of bench 1
+  /// @return a stamp this long after the current tick of bench 1 [ns].
   std::int64_t stamp_in(std::int64_t milliseconds) {
     return (static_cast<std::int64_t>(drives.at(1).tick()) + milliseconds) * 1'000'000;
   }
@@ -89,8 +89,8 @@ TEST(Trajectories, WaitForTheirTime) {
   fake.send({"x"}, {0.1}, 1.0, fake.stamp_in(200));
   fake.run(100);
   EXPECT_THAT(fake.written.lines, IsEmpty());
-  // It begins at its stamp, 200 ticks after the message; 1,000 ticks later the joint is there. One
-  // tick earlier it has 0.1 of a unit before it, which is rounded.
+  // The trajectory starts at its stamp, 200 ticks after the message, and arrives 1,000 ticks later.
+  // One tick before that, 0.1 UU are left, which disappear by rounding.
   fake.run(1'099);
   EXPECT_EQ(fake.demand(1, 0), 100);
   EXPECT_THAT(fake.written.lines, Contains(HasSubstr("number 1 of x, 1 points: starts")));
@@ -117,7 +117,7 @@ TEST(Trajectories, WhoseJointWentToAnotherBenchWhileTheyWaitedAreRefused) {
   Moved fake;
   fake.send({"z"}, {0.1}, 1.0, fake.stamp_in(1'000));
   fake.drives.erase(2);
-  for (int second = 0; second < 61; ++second) fake.find();  // after a minute bench 2 has gone
+  for (int second = 0; second < 61; ++second) fake.find();  // bench 2 is dropped after a minute
   fake.add(3, {"z"});
   fake.find();
   fake.turn();
@@ -133,8 +133,8 @@ TEST(Trajectories, ReplaceOneUnderWayAndBrakeTheJointsThatTheyDoNotMove) {
   EXPECT_EQ(fake.motion().trajectory_of(1), 0U);
   fake.run(1'200);
   EXPECT_EQ(fake.demand(1, 0), 0);
-  // The first began behind tick 19 and was sent up to tick 400: y is at 0.381 rad there, and brakes
-  // from 1 rad/s with 50 rad/s² within 0.01 rad.
+  // The first trajectory began after tick 19 and was sent up to tick 400, where y is at 0.381 rad.
+  // From there it brakes from 1 rad/s at 50 rad/s² within 0.01 rad.
   EXPECT_NEAR(fake.demand(1, 1), 391, 1);
   EXPECT_FALSE(fake.motion().is_busy());
 }
@@ -157,7 +157,7 @@ TEST(Trajectories, EndWhenTheBenchHasOvertakenThem) {
   fake.run(100);
   fake.drives.at(1).count_from(fake.drives.at(1).tick() + 200);
   fake.turn();
-  // In tick 100 set-points were sent up to tick 200; now it is tick 300.
+  // By tick 100, set-points had been sent up to tick 200; now it is tick 300.
   EXPECT_THAT(fake.written.lines, Contains(HasSubstr("stopped, bench 1 was 100 ticks ahead of its "
                                                      "set-points")));
   EXPECT_THAT(fake.written.lines, Not(Contains(HasSubstr("set-points sent"))));

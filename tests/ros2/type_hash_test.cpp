@@ -17,8 +17,8 @@
 namespace vdrive::ros {
 namespace {
 
-// The hashes that nodes of ROS 2 announce, as their logs, `ros2 topic info --verbose` and the
-// sources of other implementations show them.
+// The hashes that ROS 2 nodes announce, taken from their logs, from `ros2 topic info --verbose` and
+// from the sources of other implementations.
 TEST(RosTypeHash, EqualsTheHashThatRosAnnounces) {
   const std::map<const char*, const char*> published{
       {"sensor_msgs/msg/JointState",
@@ -60,9 +60,8 @@ TEST(RosTopic, HasThePrefixOfRosAndAValidName) {
   }
 }
 
-/// @return the name of a type as the code that is generated from the IDL gives it to DDS: that of
-/// the
-///         class, as the compiler writes it.
+/// @return the DDS name of a type, which in the code generated from the IDL is the name of its
+///         class as the compiler writes it.
 template <typename Message>
 std::string dds_type() {
   std::string_view text = __PRETTY_FUNCTION__;
@@ -70,7 +69,7 @@ std::string dds_type() {
   return std::string(text.substr(0, text.find_first_of(";]")));
 }
 
-// Programs on plain DDS are written from this table.
+// Authors of plain DDS programs rely on this table.
 TEST(RosTopicsOfTheGuide, HaveTheirNamesAndTypesOnDds) {
   std::ifstream file(VDRIVE_SOURCE_DIR "/docs/guides/ros2.md");
   std::ostringstream page;
@@ -78,7 +77,7 @@ TEST(RosTopicsOfTheGuide, HaveTheirNamesAndTypesOnDds) {
   ros2::Settings settings;
   ros2::resolve_topics(settings);
   const ros2::TopicNames& topics = settings.topics;
-  // As the bridge opens them: clients/ros2/src/bridge.hpp and joint_publisher.hpp.
+  // The topics that the bridge opens: clients/ros2/src/bridge.hpp and joint_publisher.hpp.
   const std::array rows{std::pair{topics.joint_states, dds_type<JointState>()},
                         std::pair{topics.joint_commands, dds_type<JointState>()},
                         std::pair{topics.joint_trajectory, dds_type<JointTrajectory>()},

@@ -421,7 +421,7 @@ TEST(CommandLine, ReadsHomeVelocityTorqueAndJog) {
 }
 
 /// @return the reason for refusing the private benches of this command line; empty if they are
-///   valid.
+///         valid.
 std::string refusal_of_benches(const std::string& text) {
   const Invocation invocation = parse(text);
   try {

@@ -32,7 +32,7 @@ class Plot : public testing::Test {
   [[nodiscard]] std::string path(const std::string& name) const { return directory_.path() / name; }
 
   /// @return a recording of `axes` axes of bench 1 named x1, x2, ... with a sample for each tick
-  ///   from 100 on. The position of each axis is the tick times its number.
+  ///         from 100 on. The position of each axis is the tick times its number.
   [[nodiscard]] std::string recording_of(const std::string& name, std::uint16_t axes,
                                          std::uint64_t samples) const {
     const std::string file = path(name);

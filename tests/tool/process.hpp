@@ -75,7 +75,7 @@ class Process {
 class RunningService {
  public:
   /// @param words command line without the domain, such as "--clock lockstep". Without --log-level
-  ///   it logs nothing; with it, it must not log more than a pipe holds.
+  ///         it logs nothing; with it, it must not log more than a pipe holds.
   explicit RunningService(const std::string& words);
   ~RunningService();
   RunningService(const RunningService&) = delete;

@@ -17,7 +17,7 @@ namespace vdrive::test {
 class PseudoTerminal {
  public:
   /// @param environment variables such as "NO_COLOR=1"; TERM is xterm, and NO_COLOR is unset by
-  ///   default
+  ///         default
   PseudoTerminal(std::size_t rows, std::size_t columns, const std::string& words,
                  const std::vector<std::string>& environment = {});
   ~PseudoTerminal();
