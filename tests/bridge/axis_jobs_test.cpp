@@ -18,7 +18,7 @@ using testing::SizeIs;
 constexpr AxisJobs::Kind kConnection = 1;
 constexpr AxisJobs::Kind kPowerCycle = 2;
 
-/// Jobs that write down their names.
+/// Jobs that record their names when they run.
 class RecordedJobs {
  public:
   bool add(AxisJobs::Kind kind, const std::string& name) {
@@ -27,7 +27,8 @@ class RecordedJobs {
     });
   }
 
-  /// Carries out all that wait. @return their names
+  /// Runs all waiting jobs.
+  /// @return their names
   std::vector<std::string> work() {
     while (!jobs_.is_empty()) jobs_.take()();
     return std::exchange(done_, {});

@@ -16,9 +16,9 @@ using client::Result;
 
 constexpr BenchFollower::Clock::time_point kBegin{1h};
 
-/// A bench whose samples the test chooses.
+/// A bench whose samples the test controls.
 struct BenchDouble {
-  std::deque<std::uint64_t> ticks{};  ///< that have arrived
+  std::deque<std::uint64_t> ticks{};  ///< received and waiting
   bool is_there = true;
   int openings = 0;
 

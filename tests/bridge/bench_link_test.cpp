@@ -23,7 +23,7 @@ namespace {
 
 using testing::ElementsAre;
 
-/// A bench in realtime, a link to it, and what the link has told.
+/// A bench in real time, a link to it, and the notifications of the link.
 class LinkedBench final : public BenchAdapter {
  public:
   explicit LinkedBench(bool is_automatic = false)
@@ -46,14 +46,14 @@ class LinkedBench final : public BenchAdapter {
 
   void begin_bench() { bench_.emplace(options_); }
 
-  /// Waits until the newest state, which is none while the bench is lost, fits.
+  /// Waits until the latest state fits. There is no state while the bench is lost.
   bool wait_for_state(std::string_view what, const std::function<bool(const State&)>& fits) {
     return wait_for(what, [&] {
       return fits(newest_);
     });
   }
 
-  /// Waits until this is the owner of all axes.
+  /// Waits until this session owns all axes.
   bool wait_for_owner(std::uint64_t session) {
     return wait_for_state("an owner", [session](const State& state) {
       return state && owns_all(state->axes, session);
@@ -68,7 +68,7 @@ class LinkedBench final : public BenchAdapter {
     return false;
   }
 
-  /// Changes what wait_for() waits for.
+  /// Changes data that wait_for() checks.
   void note(const std::string& word) {
     const std::scoped_lock lock(mutex_);
     notes_.push_back(word);
@@ -103,11 +103,11 @@ class LinkedBench final : public BenchAdapter {
   std::optional<bench::Bench> bench_;
   client::Session session_;
   Reports reports_{"test", {}};
-  std::mutex mutex_;  ///< guards what follows
+  std::mutex mutex_;  ///< guards the members below
   std::condition_variable changed_;
   State newest_;
   std::vector<std::string> notes_;
-  BenchLink link_;  ///< last: its threads use the others
+  BenchLink link_;  ///< last, because its threads use the other members
 };
 
 TEST(BenchLink, ShowsStateAfterState) {
@@ -166,7 +166,7 @@ TEST(BenchLink, DoesTheJobsOfAnAxisInTheirOrder) {
     }));
   }
   ASSERT_TRUE(bench.wait_for("the jobs", [&] {
-    return bench.notes().size() == 6;  // after the first, which is that it is open
+    return bench.notes().size() == 6;  // after the first one, which reports the opening
   }));
   EXPECT_EQ(done, 5);
   EXPECT_THAT(axes, ElementsAre(2, 2, 2, 2, 2));
@@ -181,7 +181,7 @@ TEST(BenchLink, DropsTheOldestOfMoreFramesThanItHasRoomFor) {
   EXPECT_EQ(bench.link().dropped_frames(), 6U);
 }
 
-/// Shows nothing.
+/// An adapter that ignores everything.
 struct SilentAdapter final : BenchAdapter {
   void on_state(const State& /*state*/) override {}
 
@@ -200,7 +200,7 @@ TEST(BenchLink, RefusesJobsForABenchThatWasNeverThere) {
   info.axes.emplace_back().id = {7, 1};
   BenchLink link(adapter, session, reports, info, {.label = "bench 7"});
   EXPECT_FALSE(link.post(0, AxisJobs::kAccess, [](client::Axis&) {}));
-  session.interrupt();  // else its end waits for the search
+  session.interrupt();  // otherwise its destructor waits for the search
 }
 
 }  // namespace

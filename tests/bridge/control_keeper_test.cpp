@@ -99,7 +99,7 @@ TEST(ControlKeeper, AsksMoreAndMoreRarelyAfterRefusals) {
   kept.is_refused = true;
   kept.keeper.want(true);
   for (auto time = 0ms; time < 10s; time += 10ms) (void)kept.keep(time);
-  // At 0, 0.2, 0.6, 1.4, 3.0 and then each 2 s.
+  // At 0, 0.2, 0.6, 1.4, 3.0 s, then every 2 s.
   EXPECT_EQ(kept.requests, 8);
   EXPECT_THAT(kept.reports, ElementsAre(HasSubstr("cannot take control: the bench refuses")));
 }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Schemas and bytes of the messages that bridges publish.
+// Schemas and bytes of the messages published by bridges.
 #include "messages.hpp"
 
 #include <gmock/gmock.h>
@@ -21,7 +21,7 @@ std::string bytes_of(const std::vector<int>& numbers) {
   return {numbers.begin(), numbers.end()};
 }
 
-/// The fields of a schema's own type, such as "int32 position_demand_value".
+/// @return the fields of the schema's main type, such as "int32 position_demand_value".
 std::vector<std::string> fields_of(const MessageSchema& schema) {
   std::vector<std::string> fields;
   std::istringstream text(schema.text);
@@ -110,10 +110,10 @@ TEST(Messages, HaveOneElementForEachTickOfATrace) {
                                    2, 0, 0, 0, 0, 0, 0, 0, 1, 0, 0, 0})));          // 6062h
 }
 
-/// The numbers of the first joint of a message: position, velocity, acceleration, effort.
+/// @return position, velocity, acceleration and effort of the first joint in a message.
 std::array<double, 4> numbers_of_first_joint(const std::string& bytes) {
   std::array<double, 4> numbers{};
-  // Header 4, time 8, count 4, name 4 + 2; 18 bytes after the header are padded to 24.
+  // Header 4, time 8, count 4, name 4 + 2 bytes; the 18 bytes after the header are padded to 24.
   constexpr std::size_t kFirst = 28;
   if (bytes.size() >= kFirst + sizeof(numbers)) {
     std::memcpy(numbers.data(), bytes.data() + kFirst, sizeof(numbers));
@@ -124,7 +124,7 @@ std::array<double, 4> numbers_of_first_joint(const std::string& bytes) {
 TEST(Messages, HaveJointsInSiUnits) {
   client::Observation observed = observation();
   observed.axes[0].status.load_position_actual_value = 1024;
-  const double rad = si_per_user_unit(Unit{});  // 4096 UU a revolution
+  const double rad = si_per_user_unit(Unit{});  // 4096 UU per revolution
   const std::vector<Joint> joints(2, Joint{.name = "x", .scale = {.si_per_user_unit = rad}});
   const std::string bytes = encode_joint_states(observed, joints, 0);
   EXPECT_DOUBLE_EQ(numbers_of_first_joint(bytes)[0], 1.5707963267948966)
@@ -134,8 +134,8 @@ TEST(Messages, HaveJointsInSiUnits) {
 TEST(Messages, HaveTheEffortOfTheLoadAndNoAcceleration) {
   client::Observation observed = observation();
   observed.axes[0].status.torque_actual_value = -500;
-  const Unit turns{};  // 4096 UU a revolution: the angle of the load
-  // 3 N.m rated, half of it backwards; the load makes 1 turn for 10 of the motor.
+  const Unit turns{};  // 4096 UU per revolution: the angle of the load
+  // 3 N.m rated, half of it in negative direction; 10 turns of the motor are 1 turn of the load.
   const double effort = effort_per_mille(
       turns,
       {.motor_rated_torque = 3'000, .gear_ratio_numerator = 1, .gear_ratio_denominator = 10});
@@ -150,12 +150,12 @@ TEST(Messages, HaveTheEffortOfTheLoadAndNoAcceleration) {
 }
 
 TEST(Messages, HaveTheEffortOfALinearAxisInNewton) {
-  // 4096 UU a turn of the screw, 409.6 UU a millimetre: a pitch of 10 mm.
+  // 4096 UU per turn of the screw, 409.6 UU per millimetre: a pitch of 10 mm.
   const Unit screw{.kind = UnitKind::linear, .name = "mm", .size = 409.6};
   const TorqueRating rating{.motor_rated_torque = 1'000};
-  // 1 N.m through 2 pi rad does the work of 200 pi N through 0.01 m.
+  // 1 N.m through 2 pi rad does the same work as 200 pi N through 0.01 m.
   EXPECT_NEAR(1'000.0 * effort_per_mille(screw, rating), 628.318530717958647, 1e-9);
-  // 409.6 UU a revolution: the axis behind the load makes 10 turns for one of it.
+  // 409.6 UU per revolution: the axis makes 10 turns per turn of the load.
   const Unit fast{.size = 409.6};
   EXPECT_NEAR(1'000.0 * effort_per_mille(fast, rating), 0.1, 1e-12);
 }

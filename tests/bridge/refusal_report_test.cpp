@@ -20,7 +20,7 @@ client::Event refusal(std::uint64_t session, std::uint32_t code) {
   return event;
 }
 
-// Equal refusals are counted: the text is that of all of them.
+// Equal refusals are counted, so the text must be the same for all of them.
 TEST(RefusalReport, LeavesOutWhatDiffersFromCommandToCommand) {
   EXPECT_EQ(refusal_report(refusal(kOfBridge, 11), kOfBridge),
             "a command was refused: frame 7 refused: too late");

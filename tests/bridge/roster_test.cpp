@@ -37,7 +37,7 @@ client::ServiceChange change_of(ServiceNews news, std::chrono::milliseconds sile
   return {.bench = 1, .news = news, .silence = silence, .text = {}};
 }
 
-/// As the gateway has it: another run with the same axes continues. Writes down what it is told.
+/// Like the gateway, continues with another run that has the same axes. Records its calls.
 struct RecordingHost final : BenchHost {
   bool continues(const BenchInfo& known, const BenchInfo& found) const override {
     return known.axes.front().name == found.axes.front().name;
@@ -61,15 +61,15 @@ struct RecordingHost final : BenchHost {
     told.push_back((is_replaced ? "replace " : "remove ") + std::to_string(bench));
   }
 
-  std::map<std::uint32_t, std::string> refused{};  ///< the reasons, by number
+  std::map<std::uint32_t, std::string> refused{};  ///< reasons by bench number
   std::vector<std::string> told{};
 };
 
-/// A roster and its host.
+/// A roster with its host.
 struct HostedRoster {
   explicit HostedRoster(std::vector<std::uint32_t> wanted = {}) : roster(host, std::move(wanted)) {}
 
-  /// @return what the host is told.
+  /// @return the calls of the host.
   std::vector<std::string> take(std::vector<BenchInfo> found,
                                 Roster::Clock::time_point now = kRosterBegin) {
     const bool has_changed = roster.take(std::move(found), now);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The example of a bridge, unchanged, against a service.
+// The example of a bridge, unchanged, with a service.
 #include "client/session_options.hpp"
 #include "support/test_domain.hpp"
 #include "tool/process.hpp"
@@ -16,9 +16,9 @@ namespace {
 
 using testing::StartsWith;
 
-constexpr std::chrono::seconds kPatience{60};  // far beyond what an answer takes
+constexpr std::chrono::seconds kPatience{60};  // far longer than an answer takes
 
-/// The bridge, and a client of it.
+/// The bridge, with a client connected to it.
 class TextClient {
  public:
   TextClient()
@@ -28,7 +28,7 @@ class TextClient {
     connection_.connect("127.0.0.1", port_);
   }
 
-  /// @return the next line; empty when none comes.
+  /// @return the next line; empty if there is none.
   std::string read() {
     connection_.expires_after(kPatience);
     std::string line;
@@ -36,7 +36,7 @@ class TextClient {
     return line;
   }
 
-  /// @return the answer to a line: what comes and is no news of a bench.
+  /// @return the answer to a line: the next line that is not a notification about a bench.
   std::string ask(const std::string& line) {
     connection_ << line << '\n' << std::flush;
     std::string answer = read();
@@ -44,7 +44,7 @@ class TextClient {
     return answer;
   }
 
-  /// @return whether this line comes.
+  /// @return whether this line arrives.
   bool wait_for(const std::string& line) {
     for (std::string next = read(); !next.empty(); next = read()) {
       if (next == line) return true;
@@ -52,7 +52,8 @@ class TextClient {
     return false;
   }
 
-  /// Asks until the answer has this text. @return the answer
+  /// Repeats the line until the answer contains this text.
+  /// @return the answer
   std::string ask_until(const std::string& line, const std::string& text) {
     std::string answer = ask(line);
     while (!answer.empty() && answer.find(text) == std::string::npos) answer = ask(line);

@@ -22,7 +22,7 @@ SKIPPED = {"build", ".git", "corpus", "node_modules"}
 
 
 def anchors_of(text):
-    """@return the anchors of the headings, as GitHub and others make them."""
+    """@return the anchors of the headings, in the format of GitHub and others."""
     anchors = set()
     for heading in re.findall(r"^#+ (.*)$", CODE.sub("", text), re.MULTILINE):
         plain = re.sub(r"\[([^\]]*)\]\([^)]*\)", r"\1", heading).replace("`", "").lower()

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""The check of links finds each kind of mistake."""
+"""check_links.py finds each kind of mistake."""
 import pathlib
 import tempfile
 import unittest

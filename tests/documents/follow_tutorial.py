@@ -41,14 +41,14 @@ README_SECTION = "## Twelve lines"
 HERE_DOCUMENT = re.compile(r"<< ?'?(\w+)'?")
 DOMAIN = re.compile(r"^(export VDRIVE_DOMAIN=)\d+", re.MULTILINE)
 NUMBER = re.compile(r" *(?<![\w.])-?\d+(?:\.\d+)?(?![\w.])")
-# The number of a process may belong to another one by now; the name of a job never does.
+# A process number may have been reused by another process; the name of a job cannot.
 ENDS_NO_JOB = re.compile(r"\b(?:pkill|killall)\b|\bkill\b(?! '%\w)")
 END = "end-of-command"
 PATIENCE_S = 170
 
 
 def steps_of(text):
-    """Returns commands with the output that is expected of them, None where none is shown."""
+    """Returns commands with their expected output; None where none is shown."""
     shows_output = any(line.startswith("$ ") for line in text.splitlines())
     lines = iter(text.splitlines())
     steps = []
@@ -77,7 +77,7 @@ def pattern_of(line, numbers_differ):
     line = line.rstrip()
     if not numbers_differ:
         return re.compile(literal(line) + r"\s*")
-    # Of a column the blanks before a number differ with it; a hexadecimal number stays.
+    # The blanks before a number in a column vary with it; a hexadecimal number must be equal.
     texts = map(literal, NUMBER.split(line))
     return re.compile(r"\s*-?\d+(?:\.\d+)?".join(texts) + r"\s*")
 

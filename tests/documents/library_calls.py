@@ -12,17 +12,17 @@ import re
 import subprocess
 import sys
 
-# Members and parameters of idl/ that point to objects of the library.
+# Members and parameters in idl/ that point to objects of the library.
 POINTERS = ("participant", "publisher", "subscriber", "publisher_", "subscriber_", "reader_", "writer_",
             "source", "low", "low_level_transport_", "channel")
 CALL = re.compile(r"\b(" + "|".join(POINTERS) + r")\s*(?:->|\.)\s*(\w+)\(")
 CALL_OF_BASE = re.compile(r"\b(ChainingTransport)::(\w+)\(")
-# Of objects of idl/ and of containers that have the name of such a pointer.
+# Functions of idl/ and of containers called through a name in POINTERS.
 OWN_NAMES = {"entities", "begin", "end", "size", "lost", "matches", "wait_for_acknowledged"}
 
 
 def rows_of(page):
-    """Names in backquotes in the first column of every table."""
+    """The names in backquotes in the first column of every table."""
     names = set()
     for line in page.read_text(encoding="utf-8").splitlines():
         if line.startswith("| `"):
@@ -41,7 +41,7 @@ def short_name(symbol):
 
 
 def imports_of(archives):
-    """@return the functions and constants of the library that the objects do not define."""
+    """@return the undefined functions and constants of the library in the object files."""
     output = subprocess.run(["nm", "--demangle", "--undefined-only", *map(str, archives)], check=True,
                             capture_output=True, text=True).stdout
     found = set()
@@ -53,7 +53,7 @@ def imports_of(archives):
 
 
 def calls_through_pointers(sources):
-    """@return the names of the functions that the sources call through a pointer."""
+    """@return the names of the functions that the sources call through a pointer in POINTERS."""
     found = set()
     for file in sorted(pathlib.Path(sources).rglob("*.?pp")):
         text = re.sub(r"//[^\n]*", "", file.read_text(encoding="utf-8"))
@@ -71,7 +71,7 @@ def callbacks_in(sources):
 
 
 def problems(rows, imported, called, callbacks):
-    """@return a sentence for each name that is missing in the tables, or in the code."""
+    """@return a sentence for each name that is missing in the tables or in the code."""
     of_rows = {name.rpartition("::")[2]: name for name in rows}
     found = [f"{name} is called and has no row" for name in sorted(imported - rows)]
     found += [f"{name}() is called through a pointer and has no row"

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""The check of the calls of the DDS library finds each kind of mistake."""
+"""library_calls.py finds each kind of mistake."""
 import pathlib
 import tempfile
 import unittest

@@ -15,7 +15,7 @@ def main():
     text = subprocess.run([tool, "--help"], check=True, capture_output=True, text=True).stdout
     examples = re.search(r"\nExamples:\n(.*?)\n\n", text, re.DOTALL).group(1).splitlines()
     source = pathlib.Path(page).read_text(encoding="utf-8").replace("\\-", "-")
-    # Between .nf and .fi roff keeps the lines as they are.
+    # roff leaves the lines between .nf and .fi unchanged.
     kept = "\n".join(re.findall(r"^\.nf\n(.*?)^\.fi$", source, re.DOTALL | re.MULTILINE)).splitlines()
     missing = [example.strip() for example in examples if example not in kept]
     missing += [title for title in ("EXAMPLES", "ENVIRONMENT", '"EXIT STATUS"')

@@ -38,7 +38,7 @@ once its input is 0.
 
 
 def disturbances_of(help_text):
-    """The rows of the kinds: a line with the name, and one with what it does."""
+    """The rows of the kinds: each has a line with its name and one with its effect."""
     begin = help_text.index("load_torque")
     lines = [line.strip() for line in help_text[begin:].splitlines()]
     rows = []

@@ -127,7 +127,7 @@ EVENTS = ["0, 1  start-up, without a command", "2, 6, 8  Shutdown", "3  Switch o
 
 
 def edges_of_the_core():
-    """@return number: (sources, target) as the tables of power_state_machine.cpp have them."""
+    """@return number: (sources, target), taken from the tables of power_state_machine.cpp."""
     source = STATE_MACHINE.read_text(encoding="utf-8")
     table = source[source.index("kTargets{"):source.index("/// Up to three")]
     targets = {int(number): name for name, number in re.findall(r"(\w+),\s+// (\d+)", table)}
@@ -166,7 +166,7 @@ def power_states():
 
 
 def plot(arguments, move, title):
-    """@return the picture that `vdrive plot` draws of a recorded move."""
+    """@return the picture that `vdrive plot` draws from a recorded move."""
     with tempfile.TemporaryDirectory() as directory:
         recording = pathlib.Path(directory) / "move.csv"
         with recording.open("wb") as file:
@@ -183,8 +183,8 @@ PLOT = (70, 700)  # left and right edge [px]
 
 
 def figures_of(name, most):
-    """@return {axes: value} of a figure up to `most` axes; of several lines for one number the
-    first one."""
+    """@return {axes: value} of a figure up to `most` axes; the first line for each number counts.
+    """
     found = {}
     for line in FIGURES.read_text(encoding="utf-8").splitlines():
         figure = json.loads(line)
@@ -194,7 +194,7 @@ def figures_of(name, most):
 
 
 def diagram(title, unit, curves, most=16384):
-    """Curves (figure, color, label) over the number of axes, which doubles at equal distances."""
+    """Curves (figure, color, label) over the number of axes on a logarithmic scale."""
     drawing = Drawing(740, 360, title)
     drawing.text(370, 20, title, size=14, weight="bold")
     series = [(figures_of(name, most), color, label) for name, color, label in curves]
@@ -258,7 +258,7 @@ def main():
             "Status at 1 kHz: what one subscriber of all axes misses", "share of the ticks",
             [("status_missed_share", RED, "missed"),
              ("overrun_share", BLUE, "ticks that end late")],
-            most=4096),  # more axes have their status decimated
+            most=4096),  # the status of more axes is decimated
     }
     stale = []
     for name, text in pictures.items():

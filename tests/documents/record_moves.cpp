@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Records the moves of the plots in the documents, directly from the core: the same numbers
-// on every machine. Prints a recording of every tick as `vdrive record` writes it (CSV), for
-// `vdrive plot`.
+// Records the moves for the plots in the documents directly from the core, so the numbers are the
+// same on every machine. Prints every tick in the CSV format of `vdrive record`, for `vdrive plot`.
 //
 //   record_moves forward|blocked
 #include "core/support/axis_under_test.hpp"
@@ -53,7 +52,7 @@ void start(AxisUnderTest& axis, const Move& move) {
 
 int record(std::string_view move) {
   AxisUnderTest axis;
-  constexpr std::uint64_t kForward = 10'600;  // 10.17 s, and the rest in the window
+  constexpr std::uint64_t kForward = 10'600;  // 10.17 s plus the time in the position window
   constexpr std::uint64_t kBlockedAt = 1'000;
   constexpr std::uint64_t kBlocked = 2'000;
   vdrive::recording::TextRecording recording(std::make_unique<StandardOutput>(),
@@ -63,7 +62,7 @@ int record(std::string_view move) {
     start(axis, {.target = 10'000, .velocity = 1'000, .ramp = 6'000});  // the manual's
     record_ticks(axis, 0, kForward, recording);
   } else if (move == "blocked") {
-    // 0.5 s after the block the error is the window 6065h of 20480 UU.
+    // 0.5 s after the block, the following error reaches 6065h = 20480 UU.
     start(axis, {.target = 100'000, .velocity = 40'000, .ramp = 200'000});
     record_ticks(axis, 0, kBlockedAt, recording);
     axis.write("test_blocked_load", 1);

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""The number of the version stands in CMakeLists.txt; all that shows it agrees with it."""
+"""The version number is defined in CMakeLists.txt, and everything that shows it agrees."""
 import json
 import pathlib
 import re
