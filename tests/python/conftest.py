@@ -11,7 +11,7 @@ def pytest_addoption(parser):
 
 
 def needs_dds(item):
-    """By a case `over`, by the marker `dds`, or by a bench over DDS of the plug-in."""
+    """Whether a case `over`, the marker `dds` or a bench of the plug-in over DDS needs it."""
     cases = item.callspec.params if hasattr(item, "callspec") else {}
     if "over" in cases:
         return cases["over"] == "dds"

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Motions and waits that a task of asyncio awaits."""
+"""Motions and waits awaited by a task of asyncio."""
 import asyncio
 import gc
 import re
@@ -27,7 +27,7 @@ def is_halted(axis):
 
 
 async def cancel_in_motion(awaited, axis):
-    """Cancel a task that awaits it, once the axis moves."""
+    """Cancel the task that awaits it, once the axis moves."""
     task = asyncio.create_task(awaited)
     await axis.wait_until_async(lambda status: status.velocity > 1000, timeout=PATIENCE)
     task.cancel()
@@ -36,7 +36,7 @@ async def cancel_in_motion(awaited, axis):
 
 
 def join_threads():
-    """Wait for the calls to end: a thread reports its result before it ends."""
+    """Wait for the threads of the calls: a thread reports its result before it ends."""
     for thread in threading.enumerate():
         if thread.name == THREAD:
             thread.join(PATIENCE)
@@ -147,7 +147,7 @@ def test_a_condition_that_raises_stop_iteration_ends_the_task(session):
 
 
 class HeldCondition:
-    """A condition that keeps its thread until it is let go, then fails."""
+    """A condition that blocks its thread until it is released, then fails."""
 
     def __init__(self):
         self.called, self.let_go = threading.Event(), threading.Event()
@@ -159,7 +159,7 @@ class HeldCondition:
 
 
 async def leave(axis, condition):
-    """Cancel a task whose condition is held: it ends before its call."""
+    """Cancel a task whose condition is blocked: the task ends before its call."""
     task = asyncio.create_task(axis.wait_until_async(condition))
     await asyncio.to_thread(condition.called.wait, PATIENCE)
     task.cancel()
@@ -183,7 +183,7 @@ def test_asyncio_does_not_complain_of_a_call_that_fails_after_its_task_was_cance
 
 
 class LateLoop(asyncio.SelectorEventLoop):
-    """It closes after the thread of a call has asked whether it is closed."""
+    """Is closed just after the thread of a call has asked whether it is closed."""
 
     def is_closed(self):
         return threading.current_thread().name != THREAD and super().is_closed()
@@ -204,7 +204,7 @@ def test_a_call_that_ends_after_the_loop_was_closed_leaves_no_traceback(session,
 def test_drive_time_is_awaited_to_the_tick():
     with vdrive.Bench(1) as bench, bench.session() as session:
         begin = session.step()
-        # 250.5 periods of 1 ms: the first tick that is not earlier.
+        # 250.5 periods of 1 ms: the wait ends at the first tick that is not earlier.
         assert asyncio.run(session.wait_async(0.2505)) == begin + 251
         assert asyncio.run(session.wait_async(0.0)) == begin + 251
 

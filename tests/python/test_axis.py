@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""An axis from Python: commands, objects, errors."""
+"""An axis in Python: commands, objects, errors."""
 import math
 import os
 import pickle
@@ -65,7 +65,7 @@ def test_an_axis_rests_when_it_is_enabled_unless_it_is_to_keep_its_target(vdrive
 
 
 def test_an_object_is_named_by_index_pair_name_or_name_of_the_standard(axis):
-    # The manual's limits of an axis that has none: the range of INTEGER32.
+    # Without limits, the manual's values: the range of INTEGER32.
     assert axis.read((0x607D, 1)) == -2**31
     assert axis.read("user_position_lower_limit") == -2**31
     axis.write("max_position_limit", 5000)
@@ -161,7 +161,7 @@ def test_the_other_modes_reach_their_targets(axis):
 
 
 def test_a_unit_converts_between_user_units_and_degrees(axis):
-    # 4096 user units a revolution.
+    # 4096 user units per revolution.
     assert axis.unit.name == "deg"
     assert axis.unit.to_user_units(90.0) == 1024.0
     assert axis.unit.from_user_units(1024.0) == 90.0

@@ -17,7 +17,7 @@ RANGE = 2**31 - 1  # highest value of 607Ah
 
 
 def moving(axes, **options):
-    """Return a bank whose axes are on their way, each to its own target."""
+    """Return a bank whose axes are moving, each to its own target."""
     bank = vdrive.AxisBank(axes, **options)
     bank.write(None, "op_mode_cmd", 1)
     bank.write(None, 0x607A, 10000 + 10 * numpy.arange(axes))
@@ -28,7 +28,7 @@ def moving(axes, **options):
 
 def test_axes_move_to_their_targets():
     bank = moving(20)
-    # 10,190 UU at 68,267 UU/s and the ramps of the defaults take less than a second.
+    # 10,190 UU at 68,267 UU/s with the default ramps take less than a second.
     assert bank.step(1000) == bank.tick == 1000
     assert bank.status["load_position_actual_value"].tolist() == list(range(10000, 10200, 10))
     assert len(bank) == 20 and bank.period == 0.001
@@ -74,7 +74,7 @@ def test_the_status_keeps_its_bank():
     view = bank.status["load_position_actual_value"]
     del bank
     gc.collect()
-    others = [vdrive.AxisBank(2) for _ in range(100)]  # they would take the memory
+    others = [vdrive.AxisBank(2) for _ in range(100)]  # would reuse the memory
     assert view.tolist() == [10000, 10010] and len(others) == 100
 
 
@@ -142,7 +142,7 @@ def test_a_snapshot_that_does_not_fit_is_refused_with_the_reason():
     damaged = bytearray(snapshot)
     damaged[-1] ^= 1
     older = bytearray(snapshot)
-    older[8] ^= 1  # the layout stands behind the eight letters of the kind
+    older[8] ^= 1  # the layout follows the eight letters of the kind
     for made, content, reason in (
             (bank, b"", "not of AxisBank"),
             (bank, b"anything else", "not of AxisBank"),
@@ -264,7 +264,7 @@ def test_each_axis_has_its_model_and_all_have_the_parameters():
     assert bank.read(None, 0x6081).tolist() == [20000, 20000]
     bank.write(None, "test_load_torque", 500)
     bank.step(50)
-    # At rest 0.5 N.m twist the soft shaft by 0.5 rad: 326 UU.
+    # At rest, 0.5 N.m twist the soft shaft by 0.5 rad: 326 UU.
     rigid, twisted = abs(bank.status["load_position_actual_value"]
                          - bank.status["motor_position_actual_value"])
     assert rigid == 0 and twisted > 100
@@ -301,7 +301,7 @@ def test_a_second_thread_is_refused_while_one_steps():
     thread.join(60)
     assert len(refused) == 7 and all("another thread uses this bank" in text for text in refused)
     tick = bank.tick
-    assert bank.step() == tick + 1  # it ended between two ticks, and can be used
+    assert bank.step() == tick + 1  # it was interrupted between two ticks and remains usable
 
 
 def run(program):
@@ -333,7 +333,7 @@ def test_a_forked_process_goes_on_with_its_own_copy():
     view = bank.status
     child = os.fork()
     if child == 0:
-        code = 1  # also of an exception: nothing of the child returns into pytest
+        code = 1  # also after an exception: the child must not return into pytest
         try:
             bank.step(1000)
             code = 0 if view["load_position_actual_value"][0] == 10000 else 1
@@ -377,7 +377,7 @@ def test_no_session_no_thread_and_no_file_are_made():
     def entries():
         return {*os.listdir("/proc/self/task"), *os.listdir("/proc/self/fd")}
 
-    before = entries()  # a thread of an earlier test may still end
+    before = entries()  # a thread of an earlier test may still be ending
     bank = moving(64)
     bank.step(10)
     bank.restore(bank.snapshot())

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What vdrive.Bench takes, and benches that meet, in a process and over DDS."""
+"""Options of vdrive.Bench, and benches that share a bus, in a process and over DDS."""
 import pathlib
 
 import pytest
@@ -8,7 +8,8 @@ import vdrive
 OVER = pytest.mark.parametrize("over", ["local", "dds"])
 
 
-# The limits are those of docs/guides/configuration.md and, for the domain, of RTPS: its ports end at 65535.
+# The limits are those of docs/guides/configuration.md; that of the domain is RTPS's, whose ports
+# end at 65535.
 @OVER
 @pytest.mark.parametrize("options, message", [
     ({"axes": -1}, "axes = -1: must be from 1 to 16384"),
@@ -92,7 +93,7 @@ def test_a_bench_over_dds_joins_the_domain_of_another():
 def test_benches_of_the_fixture_meet_and_step_together(vdrive_benches):
     first, second = vdrive_benches(2, axes=1)
     with first.session() as session, vdrive.StepClock(session, [1, 2]) as clock:
-        # Each bench starts at tick 0 and goes 10 ticks in a step of 10.
+        # Each bench starts at tick 0, and runs 10 ticks in a step of 10.
         before = [session.find_bench(number).tick for number in (1, 2)]
         assert clock.step(10) == [tick + 10 for tick in before]
     with second.session() as session:
@@ -108,7 +109,7 @@ def test_benches_of_the_fixture_have_the_options_of_the_marker_and_of_the_call(v
     pair = vdrive_benches(2, axes=2)
     with one.session() as session:
         assert len(session.find_bench(1).axes) == 3
-        with pytest.raises(vdrive.NotFound):  # benches of another call do not meet it
+        with pytest.raises(vdrive.NotFound):  # benches of separate calls do not share a bus
             session.axis("2.1")
     with pair[1].session() as session:
         assert session.axis("2.2").id == "2.2"
@@ -122,8 +123,8 @@ def test_axes_replace_those_of_a_configuration(over, tmp_path):
         assert [axis.id for axis in session.axes()] == ["1.1", "1.2", "1.3"]
 
 
-# A ball screw has 4096 UU a turn, 409.6 for each of its 10 mm. The encoder of the winder is on its
-# motor: 20 turns of 4096 UU behind a gear of 20:1 are one of the reel.
+# A ball screw has 4096 UU per turn, 409.6 for each mm of its 10 mm pitch. The encoder of the winder
+# is on its motor: 20 turns of 4096 UU before a gear of 20:1 are one turn of the reel.
 @OVER
 @pytest.mark.parametrize("options, axes, unit", [
     ({"axes": 3, "preset": "ball-screw"}, ["1.1", "1.2", "1.3"], ("mm", 409.6)),
@@ -150,7 +151,7 @@ def test_the_presets_are_the_files_of_deploy():
 
 @pytest.mark.vdrive(axes=2, preset="linear-motor")
 def test_the_marker_chooses_the_machine(vdrive_session):
-    # 24 mm a turn of the load: 4096 / 24 UU a millimetre.
+    # 24 mm per turn of the load: 4096 / 24 UU per millimetre.
     assert [axis.unit.name for axis in vdrive_session.axes()] == ["mm", "mm"]
     assert vdrive_session.axis("1.2").unit.size == pytest.approx(4096 / 24)
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""vdrive.canopen: its start and end, raw sockets on its bus, python-can, and the fixture."""
+"""vdrive.canopen: start and end, raw sockets on its bus, python-can, and the fixture."""
 import configparser
 import os
 import pathlib
@@ -26,7 +26,7 @@ PERIOD = 0.001  # [s]
 
 @pytest.fixture(scope="module", autouse=True)
 def program():
-    """The program of the bus: without it there is nothing to test."""
+    """Skip the module without vdrive-canopen."""
     try:
         return vdrive.canopen.find_program()
     except vdrive.NotFound as error:
@@ -35,7 +35,7 @@ def program():
 
 @pytest.fixture
 def fake(tmp_path):
-    """A function that makes a program of a shell script, in the place of vdrive-canopen."""
+    """A function that replaces vdrive-canopen by a shell script."""
     def make(text):
         path = tmp_path / "vdrive-canopen"
         path.write_text(f"#!/bin/sh\n{text}\n")
@@ -47,17 +47,17 @@ def fake(tmp_path):
 
 LINE = ("vdrive-canopen: bus 1: 2 nodes (4 to 5), socketcand 127.0.0.1:29536, gateway 127.0.0.1:60000, "
         "session 1a2b3c4d5e6f7081")
-# The signal may come as soon as the first line is read: the shell has to be ready for it before.
+# The signal may arrive as soon as the first line has been read, so the shell must be ready before.
 ENDS = """trap 'echo "vdrive-canopen: bus 1: 1234 frames, 5 SDO aborts"; exit 0' TERM"""
 RUNS = "while :; do sleep 0.02; done"
 
 
 def serving(first):
-    """A script that runs `first`, which writes the first line, and serves until it is ended."""
+    """A script that runs `first`, which prints the first line, then serves until it is ended."""
     return f"{ENDS}\n{first}\n{RUNS}"
 
 
-# The first line, and how a program may fail. With programs in the place of the real one.
+# The first line, and the ways in which a program may fail. Scripts replace the real program.
 
 def test_the_first_line_says_where_the_bus_is_and_the_last_one_what_it_counted(fake):
     with vdrive.canopen.Bus(program=fake(serving(f"echo '{LINE}'"))) as bus:
@@ -255,12 +255,12 @@ def test_a_configuration_names_the_nodes(tmp_path):
 
 def test_each_sync_lets_a_period_pass():
     with vdrive.canopen.Bus(axes=1, sync_steps=PERIOD) as bus, CanClient(bus.host, bus.port) as client:
-        client.write(1, 0x1017, 0, 10, 2)  # a heartbeat each 10 ms of drive time
+        client.write(1, 0x1017, 0, 10, 2)  # a heartbeat every 10 ms of drive time
         for _ in range(100):
             client.sync()
         client.read(1, 0x1000)
         client.drain()
-        # And one more where the first is sent at once.
+        # Eleven if the first one is sent immediately.
         assert client.received[HEARTBEAT + 1] in (10, 11)
 
 
@@ -289,14 +289,14 @@ def test_speeds_in_rpm_and_latched_positions_are_objects_of_a_node():
         client.write(1, 0x60B8, 0, 0x11, 2)  # probe 1, the first rising edge of that switch
         client.write(1, 0x6060, 0, 2, 1)
         client.write(1, 0x6042, 0, 60, 2)
-        for word in (0x06, 0x07, 0x0F, 0x7F):  # the last one with the bits of the ramp
+        for word in (0x06, 0x07, 0x0F, 0x7F):  # the last one with the ramp bits
             client.write(1, 0x6040, 0, word, 2)
             client.sync()
         for _ in range(500):
             client.sync()
         assert client.read(1, 0x6061) == 2 and client.read(1, 0x6043, signed=True) == 60
         assert abs(client.read(1, 0x6044, signed=True) - 60) <= 1
-        # On, a rising edge is stored: 4096 UU/s are 0.5 UU in a sub-step of 125 us.
+        # Enabled, rising edge stored. 4096 UU/s are 0.5 UU in a sub-step of 125 us.
         assert client.read(1, 0x60B9) == 3
         assert client.read(1, 0x60BA, signed=True) in (1000, 1001)
 
@@ -327,7 +327,7 @@ def test_the_ascii_gateway_answers():
         assert gateway.makefile("rb").readline() == b"[1] 131474\r\n"
 
 
-# Its end.
+# The end of a bus.
 
 def test_it_is_closed_any_number_of_times():
     bus = vdrive.canopen.Bus(axes=1)
@@ -384,7 +384,7 @@ def test_the_program_ends_with_the_interpreter_however_that_ends(end, code):
     try:
         handle = os.pidfd_open(child)
     except ProcessLookupError:
-        handle = None  # it has ended already
+        handle = None  # it has already ended
     assert done.wait(PATIENCE) == code
     if handle is not None:
         assert select.select([handle], [], [], PATIENCE)[0], "the program runs on"
@@ -413,7 +413,7 @@ def test_a_forked_child_leaves_the_bus_to_its_parent():
         with os.fdopen(reader) as file:
             texts = file.read().splitlines()
         os.waitpid(child, 0)
-        # It joins the bus as any other program does.
+        # It joins the bus like any other program.
         assert len(texts) == 3 and "forked" in texts[0] and texts[2] == str(0x00020192)
         with CanClient(bus.host, bus.port) as client:
             assert client.read(1, 0x1000) == 0x00020192
@@ -446,7 +446,7 @@ def test_python_can_drives_an_axis():
         while answer.arbitration_id != 0x581:
             answer = made.recv(timeout=PATIENCE)
         assert bytes(answer.data) == bytes.fromhex("43 00 10 00 92 01 02 00")
-    # The bus has closed what it made.
+    # The bus has closed the objects that it made.
     with pytest.raises((can.CanError, OSError, ValueError)):
         made.send(can.Message(arbitration_id=0x601, is_extended_id=False))
         made.recv(timeout=1.0)

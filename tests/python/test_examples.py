@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The examples run, and the picture of the documents is the one that they draw."""
+"""The examples run, and the picture in the documents is the one that they draw."""
 import pathlib
 import subprocess
 import sys
@@ -24,7 +24,7 @@ def test_the_arm_keeps_its_energy_balance_and_moves_the_same_way_twice():
 
 @pytest.mark.parametrize("over", ["local", "dds"])
 def test_two_benches_in_one_clock_move_together_and_stop_together(over):
-    # A tick is 1 ms. Equal distances under equal limits: equal demands at every tick.
+    # A tick is 1 ms. Equal distances with equal limits have equal demands at every tick.
     assert run("two_benches.py", over).splitlines() == [
         "ticks of the benches after 10 ms: [10, 10]",
         "positions: [8192.0, 8192.0] widest gap of the demands: 0.0",
@@ -40,8 +40,8 @@ def test_each_set_point_is_the_demand_of_its_tick(over):
 
 
 def test_the_energy_of_the_arm_agrees_with_its_torques():
-    # Along any smooth motion the power of the torques is the rate of the energy; here the rate is
-    # a difference quotient of the closed form.
+    # Along any smooth motion, the power of the torques is the time derivative of the energy, here a
+    # difference quotient of the closed form.
     sys.path.insert(0, str(EXAMPLES))
     import numpy
     import two_joint_arm

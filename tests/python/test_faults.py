@@ -1,11 +1,11 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What a bench keeps around a fault, from Python."""
+"""The data that a bench keeps around a fault, in Python."""
 import pytest
 import vdrive
 
 
 def fault(session):
-    """Fault axis 1.1 of a bench in lock-step, and let a second pass."""
+    """Cause a fault of axis 1.1 on a bench in lock-step, then let a second pass."""
     axis = session.axis("1.1")
     axis.write(0x5E03, 1)  # over-temperature: a test-bench input
     session.step(1000)
@@ -21,7 +21,7 @@ def test_a_fault_is_shown_tick_by_tick_with_who_wrote_what(vdrive_bench, vdrive_
     cause, = kept.causes
     assert (cause.kind, cause.axis, cause.code, cause.tick) == ("fault", 1, 0x4310, 3001)
     window = vdrive_session.fault(kept.number)
-    # 2 s before to 0.5 s after, in ticks of 1 ms
+    # From 2 s before to 0.5 s after the fault, in ticks of 1 ms.
     assert list(window.recording.ticks) == list(range(1001, 3502))
     assert window.recording.axes == ["1.1"]
     assert list(window.recording["error_code"][:, 0]) == [0] * 2000 + [0x4310] * 501

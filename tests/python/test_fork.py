@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Processes that are forked from one with sessions, and the ways of multiprocessing."""
+"""Forked processes whose parent has sessions, and the start methods of multiprocessing."""
 import gc
 import multiprocessing
 import os
@@ -12,14 +12,14 @@ import textwrap
 import pytest
 import vdrive
 
-# Programs beside the test meet its bench.
+# Other programs use the bench of the test.
 pytestmark = pytest.mark.vdrive(over="dds")
 
 PATIENCE = 60
 
 
 def status_of(child):
-    """Wait for the end of a child; return how it ended as subprocess does."""
+    """Wait for a child; return its exit code in subprocess's convention."""
     handle = os.pidfd_open(child)
     ended, _, _ = select.select([handle], [], [], PATIENCE)
     os.close(handle)
@@ -38,20 +38,21 @@ def run(program, **environment):
     return finished
 
 
-# A master that a busy machine keeps from speaking for half a second loses its axes: some machines stand
-# still for two. Five seconds still show in a test whether it speaks.
+# A busy machine may keep a master from sending for half a second, and some for two, after which it
+# would lose its axes. A watchdog time of five seconds still shows in a test whether it sends.
 BENCH = "watchdog: {timeout_ms: 5000}\naxes: [{number: 1}]\n"
 
 
 @pytest.fixture
 def config(tmp_path):
-    """The file of a bench whose watchdog is patient; its axes come from the program."""
+    """The configuration file of a bench with a long watchdog time; the program defines its axes."""
     file = tmp_path / "bench.yaml"
     file.write_text(BENCH)
     return file
 
 
-# How a program may have children, each with all that a session gives, in threads and without.
+# The ways in which a program forks, with everything that a session offers, with and without
+# threads.
 PARENT = """
 import os, sys, threading
 import vdrive
@@ -94,9 +95,9 @@ ENDS = {
 }
 
 
-# In real time threads run at the fork: those of a bench of the parent, or those of the DDS library.
-# What lock-step adds over DDS is one more way of the parent to wait: one end shows it. All of them run
-# with tests/run.sh --full.
+# In real time, threads run at the fork: those of the parent's bench, or those of the DDS library.
+# Over DDS, lock-step only adds one more way for the parent to wait, which one end covers.
+# tests/run.sh --full runs all combinations.
 FORMS = (("local", "lockstep"), ("local", "realtime"), ("dds", "realtime"))
 FORKS = [(end, over, clock) for end in ENDS for over, clock in FORMS
          if clock == "lockstep" or end in ("sys.exit", "closing") or os.environ.get("VDRIVE_FULL") == "1"]
@@ -124,7 +125,7 @@ def test_what_a_child_prints_before_its_end_arrives(config):
 
 
 def in_a_child(work):
-    """Fork, call `work` in the child, and return what it returns, a text."""
+    """Fork, call `work` in the child, and return its result, a text."""
     reader, writer = os.pipe()
     child = os.fork()
     if child == 0:
@@ -221,7 +222,7 @@ def test_a_child_that_was_forked_before_the_first_session_has_its_own():
 
 
 def own_session(domain, answers):
-    """In a process of multiprocessing."""
+    """Run in a process of multiprocessing."""
     with vdrive.Session(domain=domain, find_timeout=30) as session:
         answers.put(session.axis("1.1").status().id)
 
@@ -239,7 +240,7 @@ def test_a_process_of_multiprocessing_has_its_own_session(method, vdrive_bench, 
 
 
 def use_inherited(session, answers):
-    """In a process of multiprocessing that was forked."""
+    """Run in a forked process of multiprocessing."""
     for call in (session.step, lambda: vdrive.Session(domain=0)):
         try:
             call()

@@ -14,14 +14,14 @@ import time
 import pytest
 import vdrive
 
-# Programs beside the test meet its bench.
+# Other programs use the bench of the test.
 pytestmark = pytest.mark.vdrive(over="dds")
 
 PATIENCE = 60
 
 
 def processes():
-    """The parent and the command line of each process."""
+    """The parent process and command line of each process."""
     found = {}
     for directory in pathlib.Path("/proc").glob("[0-9]*"):
         try:
@@ -33,7 +33,7 @@ def processes():
 
 
 def await_that(condition, what):
-    """The first result of the condition that is true."""
+    """Wait for a true result of the condition, and return it."""
     deadline = time.monotonic() + PATIENCE
     while time.monotonic() < deadline:
         if result := condition():
@@ -43,8 +43,8 @@ def await_that(condition, what):
 
 
 def find_wire(domain):
-    """The wire is the child of the spawner, the spawner that of the service with the domain. Numbers
-    in the command lines of further parents may be anything."""
+    """The wire is the child of the spawner, which is the child of the service with this domain.
+    Command lines of further ancestors may contain any numbers."""
     known = processes()
     for pid, (spawner, command) in known.items():
         if b"--wire-process" not in command.split(b"\0") or spawner not in known:
@@ -56,7 +56,8 @@ def find_wire(domain):
 
 
 def wire_of(domain):
-    """The wire process of the service on that domain. The next one begins some 20 ms after an end."""
+    """The wire process of the service on this domain. A new one starts some 20 ms after the last
+    one ended."""
     return await_that(lambda: find_wire(domain), "the service has no wire process")
 
 
@@ -67,14 +68,14 @@ def is_stopped(process):
 
 
 def stop(process):
-    """A thread that runs on another processor stops some time after the signal was sent."""
+    """Stop a process and wait: a thread on another processor stops some time after the signal."""
     os.kill(process, signal.SIGSTOP)
     await_that(lambda: is_stopped(process), "the process does not stop")
 
 
 @contextlib.contextmanager
 def hung_wire(bench):
-    """Stop the wire; the service replaces it some 2 s later, and kills the old one."""
+    """Stop the wire; some 2 s later the service kills and replaces it."""
     wire = wire_of(bench.domain)
     handle = os.pidfd_open(wire)
     stop(wire)
@@ -85,7 +86,7 @@ def hung_wire(bench):
 
 
 class Received:
-    """What an observer is called with."""
+    """Records the calls of an observer."""
 
     def __init__(self):
         self.items = []
@@ -123,8 +124,8 @@ def test_what_follows_a_bench_goes_on_when_its_wire_is_replaced(vdrive_bench, vd
         gaps["follow"] += sample.missed
         if sample.tick > begin + 4000:
             break
-    # The hang lasts 2 s; the rest is for the discovery of the next wire, on a busy machine up to the
-    # 10 s for which streams are patient.
+    # The hang lasts 2 s. The rest is the discovery of the next wire: on a busy machine up to the 10
+    # s that streams wait.
     assert 1500 < gaps["stream"] < 10_000 and 1500 < gaps["follow"] < 10_000, gaps
     waiting.join(PATIENCE)
     assert waited.items and waited.items[0] >= begin + 6000
@@ -157,7 +158,7 @@ def test_the_end_of_a_bench_for_longer_than_the_patience_ends_what_follows_it(vd
         service = processes()[processes()[wire][0]][0]
         spawner = processes()[wire][0]
         assert min(service, spawner) > 1, "0 would be every process of the group of this run"
-        for process in (service, spawner, wire):  # nobody is left to replace the wire
+        for process in (service, spawner, wire):  # nothing is left to replace the wire
             os.kill(process, signal.SIGSTOP)
         try:
             reason = "bench 1 stopped sending or ended: .* the limit is 2000 ms"
@@ -191,7 +192,8 @@ def test_an_end_that_nobody_asks_for_is_reported(vdrive_bench, monkeypatch):
         assert "went offline: its service has ended" in str(observer.error)
 
 
-# Which thread runs first after the pause is by chance: four programs, each with several that wait.
+# The thread that runs first after the pause is random, so there are four programs with several
+# waiting threads each.
 STOPPED = """
 import threading, vdrive
 session = vdrive.Session(domain={domain}, find_timeout=30)
@@ -250,8 +252,9 @@ def test_a_program_that_was_stopped_for_4_seconds_goes_on(vdrive_bench):
             client.kill()
 
 
-# What a program receives first after the pause was sent during it: the axis was disabled then. The
-# status of a thousand axes takes a while to receive: of several programs one calls before.
+# The first status received after the pause was sent during it, when the axis was already disabled.
+# Receiving the status of a thousand axes takes a while, so at least one of several programs makes
+# its call earlier.
 HALTING = """
 import sys, vdrive
 session = vdrive.Session(domain={domain}, find_timeout=30)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The guides show programs that run."""
+"""The programs in the guides run."""
 import pathlib
 import re
 

@@ -19,7 +19,7 @@ PATIENCE = 60
 
 
 def begin(program):
-    """Start a Python program; return it when it waits."""
+    """Start a Python program; return it once it waits."""
     process = subprocess.Popen([sys.executable, "-c", textwrap.dedent(program)],
                                stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
     return process
@@ -34,7 +34,7 @@ def line_of(process, word):
 
 
 def interrupt_until_it_ends(process):
-    """Send Ctrl-C, again while it has not arrived before the wait; return what was printed."""
+    """Send Ctrl-C, repeatedly in case it arrives before the wait; return the output."""
     try:
         process.send_signal(signal.SIGINT)
         return process.communicate(timeout=PATIENCE)
@@ -57,8 +57,8 @@ WAITS = {
 }
 
 
-# Over DDS those that wait for a reply and for an announcement; with tests/run.sh --full those for
-# samples and for events, too.
+# Over DDS, the waits for a reply and for an announcement; with tests/run.sh --full also those for
+# samples and for events.
 INTERRUPTED = [(wait, "dds") for wait in ("a move", "finding")]
 if os.environ.get("VDRIVE_FULL") == "1":
     INTERRUPTED += [("a stream", "dds"), ("a queue", "dds")]
@@ -68,7 +68,8 @@ INTERRUPTED += [(wait, "local") for wait in WAITS if wait != "finding"]
 @pytest.mark.parametrize("name, over", INTERRUPTED)
 def test_ctrl_c_ends_a_wait_and_the_session_continues(name, over):
     wait = WAITS[name]
-    # numpy first: a follower reads it at its start, and an interrupt in there is an ImportError.
+    # numpy is imported first: a follower imports it at its start, where an interrupt is an
+    # ImportError.
     process = begin(f"""
         import numpy, threading, vdrive
         with vdrive.Bench(2, over="{over}") as bench, bench.session() as session:
@@ -107,7 +108,8 @@ def test_ctrl_c_ends_the_wait_for_another_stepper():
 
 @pytest.mark.not_watched("no thread starts in a child that a process with threads has forked")
 def test_ctrl_c_ends_a_wait_of_a_child_that_another_thread_forked():
-    """The thread that forks is the main thread of the child; in the parent it was none."""
+    """The thread that forks becomes the main thread of the child, although it was not the
+    parent's."""
     process = begin("""
         import os, signal, sys, threading, vdrive
 
@@ -147,7 +149,7 @@ def test_ctrl_c_ends_a_wait_of_a_child_that_another_thread_forked():
 
 @pytest.mark.dds
 def test_ctrl_c_ends_the_start_of_a_private_bench(tmp_path):
-    # A service that is started and never ready.
+    # A service that starts but never becomes ready.
     service = tmp_path / "vdrived"
     service.write_text("#!/bin/sh\nexec sleep 1000\n")
     service.chmod(0o755)
@@ -191,7 +193,7 @@ def handler_of_alarm(handler):
 
 @contextlib.contextmanager
 def alarm_in(seconds):
-    """A timer whose signal raises Alarm in the main thread; 0: only its handler."""
+    """A timer whose signal raises Alarm in the main thread; 0 only installs the handler."""
     def ring(number, frame):
         raise Alarm
 
@@ -210,13 +212,13 @@ def test_a_handler_that_returns_ends_the_wait_for_an_item_of_a_stream(vdrive_ses
     stream = vdrive_session.events()
     for wait in (lambda: stream.next(PATIENCE), lambda: next(stream)):
         with handler_of_alarm(lambda number, frame: None), pytest.raises(vdrive.Failed, match="interrupted"):
-            signal.setitimer(signal.ITIMER_REAL, 0.1, 0.1)  # again where the wait had not begun
+            signal.setitimer(signal.ITIMER_REAL, 0.1, 0.1)  # repeats, for a late wait
             wait()
     assert stream.next(0) is None
 
 
 def test_signals_at_any_moment_leave_the_session_as_it_was(vdrive_session):
-    """Also those that come while a call begins or ends."""
+    """Signals may also arrive while a call begins or ends."""
     axis = vdrive_session.axis("1.1")
     stream = vdrive_session.events()
     delays = [20e-6 + 1e-6 * step for step in range(150)]
@@ -235,7 +237,7 @@ def test_a_signal_in_a_callback_ends_the_wait_of_its_session_alone(vdrive_benche
     with first.session(bench=1) as outer, second.session(bench=2) as inner:
         def condition(status):
             signal.raise_signal(signal.SIGALRM)
-            assert inner.step() > 0  # begins with the signal of the outer wait
+            assert inner.step() > 0  # begins with the outer wait's signal pending
             return False
 
         with handler_of_alarm(lambda number, frame: None), pytest.raises(vdrive.Failed, match="interrupted"):
@@ -280,7 +282,7 @@ def test_a_signal_ends_the_wait_for_a_condition_that_is_slower_than_the_ticks(vd
     calls = []
 
     def condition(status):
-        other.wait(0.005)  # five ticks: from the second call on there is always one that waits
+        other.wait(0.005)  # five ticks: from the second call on, one is always waiting
         calls.append(status.tick)
         if len(calls) == 3:
             signal.raise_signal(signal.SIGALRM)
@@ -291,7 +293,7 @@ def test_a_signal_ends_the_wait_for_a_condition_that_is_slower_than_the_ticks(vd
 
 def test_an_interrupted_take_loses_no_sample_and_counts_each_once(vdrive_session):
     begin = vdrive_session.step()
-    count = 300_000  # ticks, of some microseconds each
+    count = 300_000  # ticks of some microseconds each
     follower = vdrive_session.follow("1.1", count=count)
     with alarm_in(0.2), pytest.raises(Alarm):
         follower.take(2**60)
@@ -338,7 +340,7 @@ def test_a_signal_ends_the_wait_for_a_follower_that_another_thread_uses(vdrive_s
     thread.start()
     with alarm_in(0.2), pytest.raises(Alarm):
         next(follower)
-    vdrive_session.interrupt()  # the signal may have come before the wait
+    vdrive_session.interrupt()  # the signal may have arrived before the wait
     thread.join(PATIENCE)
     assert ["interrupted" in failure for failure in failures] == [True]
 
@@ -388,7 +390,7 @@ def test_interrupt_ends_a_wait_of_another_thread(vdrive_session):
 
 
 def services_on(domain):
-    """The running services whose command names this domain."""
+    """The running services with this domain in their command line."""
     found = []
     for command in pathlib.Path("/proc").glob("[0-9]*/cmdline"):
         try:

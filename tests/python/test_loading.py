@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""When the module loads the DDS library, and what it says where it cannot."""
+"""When the module loads the DDS library, and the error where it cannot."""
 import os
 import pathlib
 import re
@@ -51,7 +51,7 @@ def test_the_dds_library_is_loaded_when_a_session_over_dds_is_made():
 
 
 def test_numpy_and_asyncio_are_loaded_when_they_are_used():
-    """They take most of the time that a short program lasts."""
+    """These modules take most of the run time of a short program."""
     run("""
         import sys
         import vdrive
@@ -73,7 +73,7 @@ def test_numpy_and_asyncio_are_loaded_when_they_are_used():
 
 
 def test_threads_may_meet_in_their_first_array():
-    """pybind11 imports numpy under a guard: two threads once could wait for each other for ever."""
+    """pybind11 imports numpy under a guard, where two threads used to deadlock."""
     run("""
         import sys
         import threading
@@ -172,6 +172,6 @@ def test_a_package_of_another_python_says_for_which_it_is_and_how_to_build_it_fo
     assert f"-D VDRIVE_PYTHON={sys.executable}" in said
     (package / "_vdrive.cpython-37-x86_64-linux-gnu.so").unlink()
     assert f"is built for no Python at all, {this}" in run(read, PYTHONPATH=str(tmp_path))
-    # One of this Python that does not load keeps the reason of the loader.
+    # A module of this Python version that fails to load reports the reason of the loader.
     (package / module.name).write_bytes(b"no module")
     assert "built for" not in run(read, PYTHONPATH=str(tmp_path))

@@ -30,7 +30,8 @@ def test_each_clock_mode_moves_an_axis(clock):
     with vdrive.Bench(axes=1, clock=clock) as bench, bench.session() as session:
         assert session.find_bench().clock_mode == clock
         axis = session.axis("1.1")
-        # Of drive time, of which freerun passes a minute while a busy host runs something else.
+        # Time-outs count drive time; freerun runs a minute of it while a busy host runs other
+        # programs.
         axis.enable(timeout=1e6)
         axis.move_to(1000, velocity=100000, timeout=1e6)
         assert axis.status().position == 1000
@@ -116,7 +117,7 @@ def test_a_journal_that_cannot_be_written_is_named(tmp_path):
             vdrive.Bench(over="local", journal=file)
 
 
-# How it is made of a session, which nobody has any more when it is used.
+# How to make it from a session that is no longer referenced when it is used.
 HANDLES = {
     "session": (lambda session: session, lambda session: session.step()),
     "axis": (lambda session: session.axis("1.1"), lambda axis: axis.status()),
@@ -144,7 +145,7 @@ def test_a_stream_of_events_keeps_the_bench_of_its_session():
 
 
 def test_a_bench_that_nobody_has_any_more_ends(tmp_path):
-    """Its state directory is free then. A session that it has itself does not keep it."""
+    """Deleting a bench frees its state directory, even if it holds a session of its own."""
     class Rig(vdrive.Bench):
         def __init__(self):
             super().__init__(axes=1, state=tmp_path)

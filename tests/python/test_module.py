@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The module as its readers see it: signatures, docstrings, recordings of the tool."""
+"""The module as readers see it: signatures, docstrings, recordings of the tool."""
 import ast
 import enum
 import inspect
@@ -130,7 +130,8 @@ def test_a_recording_of_the_tool_is_read_back_unchanged(vdrive_bench, vdrive_ses
 
 @pytest.fixture(scope="module")
 def recordings(tmp_path_factory):
-    """A recording by the tool of a move of two axes, as CSV and as MCAP: the tool meets a service."""
+    """A recording of a move of two axes by the tool, as CSV and as MCAP; the tool uses a service.
+    """
     directory = tmp_path_factory.mktemp("recordings")
     with vdrive.Bench(over="dds") as bench, bench.session() as session:
         axis = session.axis("1.1")
@@ -158,7 +159,7 @@ def test_a_recording_has_the_same_arrays_in_each_format(recordings, tmp_path):
         assert recording.axes == ["1.1", "1.2"] and recording.names == ["x", "y"]
         assert recording.cut == "" and len(recording) == 40
         assert recording["position"].max() > 0
-    # The fields that a text has: all but the epoch of the owner.
+    # The fields that a text recording has: all except the owner's epoch.
     for field in recordings[0].frames.dtype.names:
         if field == "owner_epoch":
             continue
@@ -210,7 +211,7 @@ def test_an_enumeration_has_the_rows_of_its_table(name, members, member, value):
     kind = getattr(vdrive, name)
     assert issubclass(kind, enum.IntFlag if name == "Statusword" else enum.IntEnum)
     assert kind.__module__ == "vdrive" and kind[member] == value
-    # With the further names of a bit that modes read in different ways.
+    # Including the alternative names of bits whose meaning depends on the mode.
     assert len(kind.__members__) >= members
 
 
@@ -256,7 +257,7 @@ def test_a_recording_that_was_saved_is_loaded_as_it_was(vdrive_session, tmp_path
     loaded = vdrive.load(path, period=0.001)
     assert numpy.array_equal(loaded.frames, saved.frames) and loaded["position"].max() > 0
     assert (loaded.axes, loaded.names, loaded.period) == (saved.axes, saved.names, 0.001)
-    # The tool takes it, too, and a part of a recording is a recording.
+    # The tool accepts it, too, and a part of a recording is again a recording.
     saved.frames = saved.frames[10:20]
     saved.save(str(path))
     assert vdrive.load(path).ticks.tolist() == saved.ticks.tolist()
@@ -272,7 +273,8 @@ def broken(recording, **members):
 
 
 def retyped(recording, **changes):
-    """Give the records of a recording a type without short names, with changes of its description."""
+    """Give the records of a recording a type without short names, and with a changed description.
+    """
     own = recording.frames.dtype
     formats, offsets = zip(*(own.fields[name][:2] for name in own.names))
     description = {"names": own.names, "formats": formats, "offsets": offsets}
@@ -319,14 +321,15 @@ def test_a_file_that_cannot_be_written_is_an_error_of_the_system(vdrive_session,
     (tmp_path / "run.csv").mkdir()
     with pytest.raises(OSError, match="run.csv': it is not a regular file"):
         recording.save(tmp_path / "run.csv")
-    # A link stays one: the file behind it is written.
+    # A link stays a link: its target is written.
     (tmp_path / "link.csv").symlink_to("behind.csv")
     recording.save(tmp_path / "link.csv")
     assert (tmp_path / "link.csv").is_symlink() and len(vdrive.load(tmp_path / "behind.csv")) == 30
 
 
 def words_of_type(module, name):
-    """Return the texts of `name = Literal[...]` in a module of the package: only checkers of types read it."""
+    """Return the texts of `name = Literal[...]` in a module of the package, which only type
+    checkers read."""
     package = pathlib.Path(vdrive.__file__).parent
     for node in ast.walk(ast.parse((package / f"{module}.py").read_text())):
         if isinstance(node, ast.Assign) and getattr(node.targets[0], "id", "") == name:
@@ -388,7 +391,7 @@ def test_a_recording_without_samples_has_no_times(vdrive_session, tmp_path):
 
 
 def answers_about(path):
-    """Return what vdrive.load and `vdrive convert` find wrong with a recording."""
+    """Return the errors of vdrive.load and `vdrive convert` for a recording."""
     with pytest.raises(ValueError) as refusal:
         vdrive.load(path)
     tool = subprocess.run([os.environ["VDRIVE_TOOL"], "convert", path, path.with_suffix(".jsonl")],
@@ -455,4 +458,4 @@ def test_a_recording_that_cannot_be_opened_is_an_error_of_the_system(tmp_path, e
     with pytest.raises(FileNotFoundError, match="missing"):
         vdrive.load(tmp_path / f"missing.{ending}")
     with pytest.raises(ValueError):
-        vdrive.load(tmp_path)  # opened, but no file
+        vdrive.load(tmp_path)  # opened, but not a file

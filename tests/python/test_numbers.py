@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Numbers as programs give them, the errors of bad ones, and values that are compared and stored."""
+"""Numbers passed by programs, the errors about wrong ones, and values that are compared and
+stored."""
 import pickle
 
 import numpy
@@ -37,7 +38,7 @@ def test_a_number_with_a_unit_is_rounded_to_user_units(axis, unit, value, demand
 def test_speeds_and_ramps_have_the_unit_of_their_call(vdrive_session, axis):
     axis.start_move(360, velocity=90, acceleration=180, deceleration=180.5, unit="deg")
     speed = vdrive_session.record(axis, ticks=1500).frames["velocity_demand_value"][:, 0]
-    # 90 deg/s are 1024 UU/s; 180 deg/s^2 are 2.048 UU/s in each tick.
+    # 90 deg/s are 1024 UU/s; 180 deg/s^2 are 2.048 UU/s per tick.
     assert speed.max() == 1024
     assert abs(speed[400] - speed[0] - 400 * 2.048) <= 1
     axis.run_at(-45, unit="deg")

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The plug-in of pytest, in runs of pytest of their own."""
+"""The pytest plug-in, in separate runs of pytest."""
 import os
 import pathlib
 import re
@@ -49,7 +49,7 @@ def test_a_failing_test_ends_its_bench(pytester):
     """)
     result = pytester.runpytest_subprocess("-q", "--vdrive-over=dds", timeout=100)
     result.assert_outcomes(failed=1)
-    # By the process and not by its domain: another test may have that one by now.
+    # By process and not by domain, which another test may be using by now.
     children = (pytester.path / "children").read_text().split()
     assert children
     for child in children:
@@ -93,7 +93,7 @@ def test_a_failed_test_has_the_last_ticks_and_events_of_its_bench(pytester):
     recording = vdrive.load(f"{stem}.mcap")
     assert recording.axes == ["1.1", "1.2"] and 0 < len(recording) <= 50
     assert recording.ticks[-1] == last
-    # 603Fh of the over-current.
+    # 603Fh of the over-current fault.
     assert recording.axis("1.1")["error_code"][-1] == 0x2310
     lines = pathlib.Path(f"{stem}.events.txt").read_text().splitlines()
     assert any("  1.1  fault  " in line for line in lines) and len(lines) <= 1024

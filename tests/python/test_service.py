@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What only a bench over DDS has: a domain, arguments, other programs, an end that is announced."""
+"""Features of benches over DDS only: a domain, arguments, other programs, an announced end."""
 import subprocess
 import sys
 import time
@@ -18,7 +18,7 @@ def test_the_bench_of_the_fixture_is_found_and_described(vdrive_bench, vdrive_se
     assert bench.figures["wire_starts"] == bench.wire_starts
     assert bench.figures["longest_silence_us"] == round(bench.longest_silence * 1e6)
     assert all(type(value) is int for value in bench.figures.values())
-    with vdrive.Session() as other:  # VDRIVE_DOMAIN is that of the bench
+    with vdrive.Session() as other:  # VDRIVE_DOMAIN is the domain of the bench
         assert [found.number for found in other.find_benches()] == [1]
 
 
@@ -33,7 +33,7 @@ def test_a_service_that_ends_is_lost(vdrive_bench):
     axis = session.axis("1.1")
     vdrive_bench.close()
     with pytest.raises(vdrive.Error) as lost:
-        # The announcement of the end may still be on its way.
+        # The announcement of the end may still be in transit.
         end = time.monotonic() + 30
         while time.monotonic() < end:
             axis.status()
@@ -53,8 +53,8 @@ session.step(20)
     assert subprocess.run([sys.executable, "-c", program], timeout=60).returncode == 0
 
 
-# 2 s, and at most three times as long where the machine is late: below the 30 s that such a search
-# took.
+# 2 s, or up to three times as long on a slow machine: less than the 30 s that such a search used to
+# take.
 def test_a_wrong_number_of_a_bench_costs_the_time_of_every_session(vdrive_session):
     assert vdrive_session.find_bench().number == 1
     begin = time.monotonic()

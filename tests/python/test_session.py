@@ -36,7 +36,7 @@ def test_a_closed_session_has_released_its_axes_and_its_handles_fail(vdrive_benc
     for call in (axis.enable, axis.status, session.find_benches, lambda: next(follower), clock.step):
         with pytest.raises(vdrive.Failed, match="closed"):
             call()
-    # What was received before can still be taken; then they end.
+    # Samples received earlier can still be taken; then the iterators end.
     assert len(list(stream)) <= 10 and len(list(events)) <= 10
     assert vdrive_bench.session().axis("1.1").status().owner == 0
 
@@ -136,7 +136,8 @@ def test_a_streamed_position_is_the_demand_of_the_tick(vdrive_session):
     group = vdrive.AxisGroup(vdrive_session, ["1.1"])
     group.enable_all()
     group.start_streaming()
-    # The axis follows a set-point a tick long: it is the demand in the tick for which it was sent.
+    # The axis follows each set-point for one tick: the set-point is the demand of the tick it was
+    # sent for.
     demands = [group.stream([position]).demand[0] for position in (1, 2, 3, 4, 5)]
     assert demands == [1, 2, 3, 4, 5]
     group.stop_streaming()
@@ -300,7 +301,7 @@ def test_another_thread_runs_while_a_move_waits(vdrive_session):
 
     thread = threading.Thread(target=move)
     thread.start()
-    while axis.status().position == 0:  # the interpreter lock is free meanwhile
+    while axis.status().position == 0:  # the interpreter lock is released meanwhile
         assert thread.is_alive()
     vdrive_session.interrupt()
     thread.join(60)
@@ -309,7 +310,7 @@ def test_another_thread_runs_while_a_move_waits(vdrive_session):
 
 
 class Observed:
-    """What an observer was called with."""
+    """Records the calls of an observer."""
 
     def __init__(self):
         self.items = []
@@ -321,7 +322,7 @@ class Observed:
             self.changed.notify_all()
 
     def wait(self, condition):
-        """Wait until an item meets the condition; return whether one did within 30 s."""
+        """Wait for an item that meets the condition; return False after 30 s."""
         with self.changed:
             return self.changed.wait_for(lambda: any(map(condition, self.items)), timeout=30)
 
@@ -343,7 +344,7 @@ def test_an_observer_receives_the_events(vdrive_session):
 def test_an_observer_receives_the_newest_state(vdrive_session):
     observed = Observed()
     with vdrive_session.on_status(observed, ["1.1", "1.2"], period=0.001):
-        # The observer begins in a thread of its own: 50 steps may end before it.
+        # The observer starts in its own thread, possibly after 50 steps.
         while not observed.items:
             vdrive_session.step()
         tick = vdrive_session.step(50)
@@ -375,7 +376,7 @@ def test_an_observer_that_raises_is_called_again(vdrive_session, monkeypatch):
 
 def test_an_observer_ends_with_its_session_and_may_end_itself(vdrive_bench):
     observed = Observed()
-    itself = queue.SimpleQueue()  # the first sample may come before on_status returns
+    itself = queue.SimpleQueue()  # the first sample may arrive before on_status returns
     with vdrive_bench.session() as session:
         itself.put(session.on_status(lambda sample: (observed(sample), itself.get().close()), "1.1"))
         while not observed.items:
@@ -433,7 +434,7 @@ def test_an_abandoned_session_commands_nothing_and_releases_nothing(vdrive_bench
 
 
 def next_news(changes, bench):
-    """The news of a bench that comes next."""
+    """The next change of this bench."""
     while (change := changes.next(timeout=30)) is not None:
         if change.bench == bench:
             assert f"bench {bench} " in change.text and change.silence >= 0
@@ -450,7 +451,7 @@ def test_services_that_come_and_go_are_reported(vdrive_benches, pytestconfig):
             assert next_news(changes, 2) == "found"
         assert next_news(changes, 2) in ("went_offline", "fell_silent")
         assert changes.dropped == 0
-        # The next watch begins anew, and takes the place of the stream.
+        # The next watch starts over and replaces the stream.
         seen, arrived = [], threading.Event()
 
         def note(change):
@@ -467,7 +468,7 @@ def test_a_stream_takes_the_place_of_the_one_before_which_ends(vdrive_benches, s
     with first.session() as session:
         replaced = getattr(session, stream)()
         present = getattr(session, stream)()
-        # The one before ends, also for whoever waits for it, and its end is not that of the other.
+        # The replaced stream ends, even for a thread that waits for it, without ending the new one.
         for _ in replaced:
             pass
         replaced.close()
@@ -485,7 +486,7 @@ def test_a_follower_counts_the_samples_that_were_taken_late(vdrive_bench, vdrive
         for _ in range(4):
             last = stepper.step(1)
         assert vdrive_session.observe("1.1").tick == last
-        # A tick is 1 ms. Every step of one tick is published, and what came before them is behind by more.
+        # A tick is 1 ms. Each step of one tick is published; samples from before lag by more.
         ticks = [next(follower).tick]
         longest = (last - ticks[0]) / 1000
         assert follower.lateness.last == pytest.approx(longest)
@@ -509,7 +510,7 @@ def test_a_closed_stream_ends_a_loop_and_refuses_next(vdrive_session, opened):
     stream = opened(vdrive_session)
     assert not stream.is_closed
     stream.close()
-    list(stream)  # what had come; the loop ends
+    list(stream)  # the remaining samples; the loop ends
     assert stream.is_closed
     with pytest.raises(vdrive.Error, match="closed"):
         stream.next(timeout=0)
@@ -518,7 +519,7 @@ def test_a_closed_stream_ends_a_loop_and_refuses_next(vdrive_session, opened):
 def test_take_refuses_a_closed_stream(vdrive_session):
     stream = vdrive_session.stream("1.1")
     stream.close()
-    list(stream)  # what had come
+    list(stream)  # the remaining samples
     with pytest.raises(vdrive.Error, match="closed"):
         stream.take(timeout=0)
 

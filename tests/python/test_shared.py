@@ -1,12 +1,12 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Tests that share a bench, in runs of pytest of their own: none changes the next one."""
+"""Tests that share a bench, in separate runs of pytest: none affects the next one."""
 import pytest
 
 OVER = pytest.mark.parametrize("over", ["local", "dds"])
 
 
 def run(pytester, over, text, **outcomes):
-    """Run a file of tests in its order; it has the functions that the tests below use."""
+    """Run a file of tests in its order, with the functions of PRELUDE."""
     pytester.makepyfile(PRELUDE + text)
     result = pytester.runpytest_subprocess("-q", "-p", "no:cacheprovider", "--vdrive-over", over,
                                            timeout=250)
@@ -14,8 +14,8 @@ def run(pytester, over, text, **outcomes):
     return result
 
 
-# The image of an axis is all that it publishes, but for what does not go back: the tick, the epoch
-# of the owners.
+# The image of an axis is everything that it publishes except values that never return to their
+# start: the tick and the epoch of the owners.
 PRELUDE = """
 import os
 import pytest, vdrive
@@ -106,7 +106,7 @@ def test_one_bench_was_shared():
 """
 
 
-# One before, one after, and two for each of the 9 things to leave, 4 over DDS; one of them fails.
+# One before, one after, and two for each of the 9 changes to leave, 4 over DDS; one of them fails.
 @pytest.mark.parametrize("over, passed", [("local", 19), ("dds", 9)])
 def test_what_a_test_leaves_does_not_reach_the_next_one(pytester, monkeypatch, over, passed):
     if over == "dds":

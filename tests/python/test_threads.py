@@ -13,7 +13,7 @@ PATIENCE = 60
 
 
 def run(program):
-    """Run a Python program; return its exit code and what it wrote."""
+    """Run a Python program; return its exit code and output."""
     process = subprocess.Popen([sys.executable, "-X", "faulthandler", "-c", textwrap.dedent(program)],
                                stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
     try:
@@ -49,13 +49,13 @@ def test_threads_that_use_a_closed_session_are_refused_each(call):
         """) == (0, "40000\n")
 
 
-# What never ends by itself; `tell` is called when it has begun.
+# Calls that never end on their own; `tell` is called once they have begun.
 CALLS = {
     "a condition": lambda session, axis, tell: axis.wait_until(lambda status: tell(), timeout=1e6),
     "a move": lambda session, axis, tell: (axis.enable(), tell(), axis.move_to(10**9, velocity=10, timeout=1e6)),
     "drive time": lambda session, axis, tell: (tell(), session.wait(1e6)),
     "a follower": lambda session, axis, tell: [tell() for _ in session.follow("1.1")],
-    # Events that come before the end end no call: an acquired axis in this tick, a late tick in real time.
+    # Other events do not end the call: an acquired axis in this tick, a late tick in real time.
     "an event": lambda session, axis, tell: (tell(), [session.events().next() for _ in itertools.count()]),
 }
 
@@ -83,7 +83,7 @@ def test_close_ends_the_calls_of_other_threads_and_gives_the_axes_back(name, clo
         thread.join(PATIENCE)
         assert not thread.is_alive()
         assert errors or name == "a follower"
-        # In real time a status of before the end may still be on its way.
+        # In real time, a status from before the end may still be in transit.
         other.axis("1.1").wait_until(lambda status: status.owner == 0, timeout=PATIENCE)
 
 
@@ -184,7 +184,7 @@ def test_an_exception_of_any_kind_does_not_end_an_observer(vdrive_session, monke
             assert seen.acquire(timeout=PATIENCE)
 
 
-# Of daemon threads, when the interpreter ends.
+# Calls of daemon threads at the end of the interpreter.
 ENDS = {
     "a move": "axis.move_to(10**9, velocity=10, timeout=1e6)",
     "a condition": "axis.wait_until(lambda status: False, timeout=1e6)",

@@ -15,9 +15,10 @@ PACKAGES = pathlib.Path(vdrive.__file__).parent.parent
 
 @pytest.fixture(scope="module")
 def checked(tmp_path_factory):
-    """A function that checks a program of a user, and the module with it; it returns the errors."""
+    """A function that type-checks a user's program together with the module, and returns the
+    errors."""
     directory = tmp_path_factory.mktemp("typed")
-    # Of a package on PYTHONPATH mypy keeps the errors to itself, as of one that is installed.
+    # For a package on PYTHONPATH, as for an installed one, mypy suppresses the errors.
     environment = {**os.environ, "MYPYPATH": str(PACKAGES)}
     environment.pop("PYTHONPATH", None)
 

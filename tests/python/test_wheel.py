@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The wheel, built without network and installed beside nothing else of ours."""
+"""The wheel, built without a network and installed without anything else of vdrive."""
 import os
 import pathlib
 import re
@@ -8,7 +8,7 @@ import sys
 import zipfile
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
-# What every Debian with Python has.
+# Libraries that every Debian with Python has.
 EVERYWHERE = re.compile(r"linux-vdso|ld-linux|lib(c|gcc_s|m|stdc\+\+|z)\.so")
 
 
@@ -31,7 +31,7 @@ def test_a_wheel_is_built_without_network_installed_and_used(tmp_path):
     names = zipfile.ZipFile(wheel).namelist()
     assert {"vdrive/__init__.py", "vdrive/_vdrive.pyi", "vdrive/py.typed", "vdrive/libvdrive_dds.so"} <= set(names)
 
-    # The interpreter, numpy and pytest of the system, and nothing of vdrive.
+    # The interpreter, numpy and pytest of the system, without vdrive.
     venv = tmp_path / "venv"
     run(sys.executable, "-m", "venv", "--without-pip", "--system-site-packages", str(venv))
     pip("--python", str(venv / "bin/python"), "install", "--no-index", "--no-deps", "--root-user-action=ignore", str(wheel))
