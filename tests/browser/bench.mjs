@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A service, a gateway and a browser for the tests of the page.
+// A service, a gateway and a browser for testing the page.
 import { chromium } from "playwright-core";
 import { spawn } from "node:child_process";
 import { createInterface } from "node:readline";
@@ -7,11 +7,11 @@ import { createInterface } from "node:readline";
 const BIN = process.env.VDRIVE_BIN;
 const DOMAIN = process.env.VDRIVE_DOMAIN;
 const BROWSER = process.env.VDRIVE_BROWSER ?? "/usr/bin/chromium";
-export const PATIENCE_MS = 60_000; // on a busy machine a browser can stand still for many seconds
+export const PATIENCE_MS = 60_000; // on a busy machine a browser can stall for many seconds
 
 const programs = new Set();
 
-/** A program that has ended when `stop` returns. */
+/** A running program; it has ended once `stop` returns. */
 class Program {
   constructor(name, options) {
     this.child = spawn(`${BIN}/${name}`, ["--domain", DOMAIN, ...options], { stdio: ["ignore", "pipe", "pipe"] });
@@ -29,7 +29,7 @@ class Program {
   }
 }
 
-/** Runs the tool to its end. @return its exit code. */
+/** Runs the tool until it ends. @return its exit code. */
 export async function runTool(...words) {
   const tool = new Program("vdrive", words);
   const code = await tool.ended;
@@ -41,12 +41,12 @@ export function startService(...options) {
   return new Program("vdrived", ["--log-level", "warn", ...options]);
 }
 
-/** Three axes that wait long for a silent owner: a busy machine may let the gateway stand still. */
+/** Three axes with a long watchdog time, since a busy machine may stall the gateway. */
 export function startPatientService() {
   return startService("--config", `${process.env.VDRIVE_ROOT}/tests/data/patient.yaml`, "--axes", "3");
 }
 
-/** @param port 0 = any free one. @return the program; `address` is where its page is. */
+/** @param port 0 = any free port. @return the program; `address` is the URL of its page. */
 export async function startGateway(port, ...options) {
   const gateway = new Program("vdrive-gateway", ["--listen", `127.0.0.1:${port}`, ...options]);
   const line = await Promise.race([gateway.lines.next(), gateway.ended.then(() => undefined)]);
@@ -57,7 +57,7 @@ export async function startGateway(port, ...options) {
 }
 
 export function startBrowser() {
-  // Without its sandbox it runs as root, too. It sees only our own page.
+  // Without the sandbox, it also runs as root. It only loads our own page.
   return chromium.launch({ executablePath: BROWSER, args: ["--no-sandbox"] });
 }
 
@@ -65,7 +65,7 @@ export async function stopAll() {
   await Promise.all([...programs].map((program) => program.stop("SIGKILL")));
 }
 
-/** Calls a service of the gateway from within a page, past its controls. */
+/** Calls a service of the gateway from within a page, bypassing its controls. */
 export function callService(page, service, request) {
   return page.evaluate(
     ([name, body]) =>

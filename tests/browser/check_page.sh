@@ -1,10 +1,11 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: Apache-2.0
-# Runs a program of node in the directory where the page of the gateway was built.
+# Runs a node program in the directory where the page of the gateway was built.
 #
 #   tests/browser/check_page.sh DIRECTORY PROGRAM [ARGUMENTS...]
 #
-# Exit code: of the program; 77: the page was not built, because npm or its registry was missing.
+# Exit code: that of the program; 77: the page was not built, because npm or its registry was
+# missing.
 set -euo pipefail
 
 if [[ ! -d $1/node_modules || ! -f $1/page.stamp ]]; then

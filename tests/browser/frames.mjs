@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// How many frames a second the page draws with 1,024 axes: the overview, standing and while it
-// scrolls, and the view Control with all of them chosen.
+// The frames per second that the page draws with 1,024 axes: in the overview, still and scrolling,
+// and in the view Control with all of them selected.
 import { PATIENCE_MS, startBrowser, startGateway, startService, stopAll } from "./bench.mjs";
 
 const AXES = 1024;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the gateway and its page take of the machine with 1,024 axes in real time: processor time and
-// memory while nobody looks, with the overview, and with the view of an axis, which has one trace.
+// The processor time and memory of the gateway and its page with 1,024 axes in real time: without
+// an open page, with the overview, and with the view of an axis, which has one trace.
 import { readFile } from "node:fs/promises";
 import { PATIENCE_MS, startBrowser, startGateway, startService, stopAll } from "./bench.mjs";
 
@@ -25,7 +25,7 @@ try {
   const rest = (seconds) => new Promise((resolve) => setTimeout(resolve, seconds * 1000));
   await rest(5); // the gateway finds the bench and reads it
 
-  /** @param session of the page, for its own figures; none = no page is open */
+  /** @param session of the page, to read its own metrics; none = no page is open */
   const report = async (what, session) => {
     const metrics = async () => {
       if (session === undefined) return {};

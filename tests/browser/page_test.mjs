@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The page of the gateway in a real browser, against a real service. The tests follow each other:
-// each starts where the one before it ended.
+// The page of the gateway in a real browser, with a real service. The tests build on one another:
+// each starts in the state in which the previous one ended.
 import assert from "node:assert/strict";
 import { mkdtemp, readFile, rm, writeFile } from "node:fs/promises";
 import { createRequire } from "node:module";
@@ -16,12 +16,12 @@ let gateway;
 let browser;
 let page;
 
-/** The age of a sample that has just come; a busy browser draws it late. */
+/** The age of a recent sample; a busy browser draws it late. */
 const FRESH = /<0.1 s|0\.\d s/;
 
 let failed = false;
 
-/** After a failure the next test would wait for a state that never comes. */
+/** Skips all tests after a failure, as they would wait for a state that is never reached. */
 function test(name, body) {
   nodeTest(name, async (context) => {
     if (failed) return context.skip("a test before it failed");
@@ -36,10 +36,10 @@ const figure = (name) => page.locator(`[data-figure="${name}"]`);
 const command = (name) => page.locator(`[data-test="${name}"]`);
 const motions = () => page.locator(".motions");
 
-/** The time between two looks: each is work for the browser, too. */
+/** A pause between two polls, which are work for the browser, too. */
 const betweenLooks = () => new Promise((resolve) => setTimeout(resolve, 50));
 
-/** Waits until the element has a text that fits; the failure shows the last one. */
+/** Waits until the text of the element matches; a failure reports the last text. */
 async function waitForText(locator, pattern, patience = PATIENCE_MS, beforeEachLook = async () => undefined) {
   const deadline = Date.now() + patience;
   let text = "";
@@ -52,7 +52,7 @@ async function waitForText(locator, pattern, patience = PATIENCE_MS, beforeEachL
   return assert.fail(`[deadline] "${text}" does not match ${pattern}; ${await page.locator("footer").textContent()}`);
 }
 
-/** Waits until the field has this value: it is filled in with the next frame. */
+/** Waits until the field has this value, which is set with the next frame. */
 async function waitForValue(selector, value) {
   const deadline = Date.now() + PATIENCE_MS;
   while ((await page.inputValue(selector)) !== value) {
@@ -70,8 +70,8 @@ async function waitForNone(locator) {
 }
 
 /**
- * Blocks the thread of a page until the returned function is called: a dialog that nobody answers. A loop
- * would take a processor from all others, and go on after its page is closed.
+ * Blocks the thread of a page with a dialog until the returned function is called. A loop would
+ * occupy a processor, and continue after its page is closed.
  */
 async function blockThread(blocked) {
   const asked = blocked.waitForEvent("dialog");
@@ -83,7 +83,7 @@ async function blockThread(blocked) {
   };
 }
 
-/** A window with axe in each of its documents, past the policy of the page. */
+/** A window with axe in each of its documents, exempt from the page's content policy. */
 async function openPage() {
   const context = await browser.newContext({ viewport: { width: 1280, height: 900 }, locale: "en-US" });
   await context.addInitScript({ path: createRequire(import.meta.url).resolve("axe-core/axe.min.js") });
@@ -92,14 +92,14 @@ async function openPage() {
   return opened;
 }
 
-/** Another browser window, with a process of its own. */
+/** Another browser window, with its own process. */
 async function openOther(hash) {
   const other = await openPage();
   await other.goto(`${gateway.address}${hash}`);
   return other;
 }
 
-/** Starts to keep every text that the element shows from now on. @return reads what it kept. */
+/** Starts to record the texts that the element shows. @return a function that reads them. */
 async function keepTexts(locator) {
   await locator.evaluate((element) => {
     element.keptTexts = [element.textContent];
@@ -112,20 +112,20 @@ async function keepTexts(locator) {
   return () => locator.evaluate((element) => element.keptTexts);
 }
 
-/** Presses a button and holds it, once it is enabled and the layout has come to rest. */
+/** Presses and holds a button once it is enabled and the layout is stable. */
 async function pressAndHold(shown, button) {
   await button.click({ trial: true });
   await button.hover();
   await shown.mouse.down();
 }
 
-/** Waits until a press is no second click: within half a second it does nothing. */
+/** Waits half a second, within which a second press has no effect. */
 async function waitForNextPress(shown) {
   const pressed = await shown.evaluate(() => performance.now());
   await shown.waitForFunction((since) => performance.now() - since > 500, pressed);
 }
 
-/** Takes control from its holder. */
+/** Takes control from its current holder. */
 async function takeOver(shown) {
   await shown.click('[data-test="take"]');
   const confirm = shown.locator('[data-test="take-confirm"]');
@@ -135,7 +135,7 @@ async function takeOver(shown) {
   await waitForText(shown.locator(".holder"), /You have control/);
 }
 
-/** Half a turn a second, 2,048 UU/s, and the ripple of the loop. */
+/** Half a turn per second, 2,048 UU/s, with the ripple of the control loop. */
 const JOGS = /^(1.9\d\d|2.[01]\d\d) UU\/s/;
 
 const numberIn = (text) => Number(text.replace("−", "-").replace(/[^\d.-]/g, ""));
@@ -201,7 +201,7 @@ test("after taking control the page enables an axis", async () => {
   await command("enable").click();
   await waitForText(figure("state"), /Operation enabled/);
   assert.equal(await page.locator(".box.lit text").textContent(), "Operation enabled");
-  // Transitions 2, 3 and 4 happen in one tick, or in ticks of their own.
+  // Transitions 2, 3 and 4 may happen in the same tick or in separate ticks.
   await waitForText(page.locator(".way"), /\b4\), tick \d+/);
 });
 
@@ -330,7 +330,7 @@ test("a picture of the plots has a legend in the colours of its lines", async ()
   assert.deepEqual(found, [true, true]);
 });
 
-/** Moves far, queues the way back, and waits for the end. @return the counts of set-points that the page showed. */
+/** Moves far, queues the way back, and waits for the end. @return the set-point counts shown. */
 async function queueTheWayBack(held) {
   const queue = page.locator("label", { hasText: "queue" }).locator("input");
   const texts = await keepTexts(held);
@@ -348,7 +348,8 @@ async function queueTheWayBack(held) {
 test("a waiting set-point is counted until it becomes active", async () => {
   const held = command("set-points");
   await waitForText(held, /^0 \+ 0$/);
-  // The first way takes seconds. A busy browser may press the second button after it, or draw nothing meanwhile.
+  // The first move takes seconds. A busy browser may press the second button after it, or draw
+  // nothing in between.
   const wanted = ["0 + 0", "1 + 0", "1 + 1", "1 + 0", "0 + 0"];
   let shown = [];
   for (let attempt = 0; attempt < 5 && !isDeepStrictEqual(shown, wanted); ++attempt) shown = await queueTheWayBack(held);
@@ -366,7 +367,8 @@ test("a paused plot stands still and its samples are saved as CSV", async () => 
           requestAnimationFrame(() => requestAnimationFrame(() => done(canvas.toDataURL())));
         }),
     );
-  // A busy page rests from drawing for half a second at most: then it still shows what was before the pause.
+  // A busy page suspends drawing for up to half a second, in which it still shows the time before
+  // the pause.
   let before = "";
   const deadline = Date.now() + PATIENCE_MS;
   for (let next = await picture(); next !== before; next = await picture()) {
@@ -382,7 +384,7 @@ test("a paused plot stands still and its samples are saved as CSV", async () => 
   assert.match(lines[0], /,torque_actual_value \[%\],torque_demand \[%\],ds402_statusword,error_code,/);
   const cells = lines.at(-1).split(",");
   const [tick, time, date] = cells;
-  // A bench in real time: its ticks of a millisecond count from the epoch.
+  // A bench in real time: its ticks of a millisecond count from the Unix epoch.
   assert.equal(Number(time), Number(tick) / 1000);
   assert.equal(Date.parse(date), Number(tick));
   const [word, error] = ["ds402_statusword", "error_code"].map((name) => Number(cells[lines[0].split(",").indexOf(name)]));
@@ -390,20 +392,20 @@ test("a paused plot stands still and its samples are saved as CSV", async () => 
   assert.equal(error, 0);
   const ticks = lines.slice(1).map((line) => Number(line.split(",")[0]));
   assert.ok(ticks.length > 100);
-  // Every tick or a gap, never twice the same.
+  // Each tick at most once, in ascending order.
   for (let i = 1; i < ticks.length; ++i) assert.ok(ticks[i] > ticks[i - 1]);
   assert.ok((await picture()) === before, "the plot has changed");
   await command("pause").click();
 });
 
-/** The first and the last time that the plots show [s]. */
+/** The first and the last time shown in the plots [s]. */
 const shownTimes = async () => {
   const [download] = await Promise.all([page.waitForEvent("download"), command("csv").click()]);
   const lines = (await readFile(await download.path(), "utf8")).trimEnd().split("\n");
   return [lines[1], lines.at(-1)].map((line) => Number(line.split(",")[1]));
 };
 
-/** Every tick that the page has of the axis that is shown. */
+/** All ticks that the page keeps of the axis shown. */
 const keptTicks = async () => {
   const window = page.locator(".plots .tools select");
   await window.selectOption("600");
@@ -447,7 +449,7 @@ test("two cursors show the samples under them and their differences", async () =
     while (!condition(await timeOf(name))) assert.ok(Date.now() < deadline, `[deadline] cursor ${name} stands at ${await timeOf(name)}`);
     return timeOf(name);
   };
-  // A third of the window of 10 s lies between them.
+  // The cursors are a third of the window of 10 s apart.
   const left = await becomes("A", (time) => time > 0);
   const right = await timeOf("B");
   assert.ok(Math.abs(right - left - 10 / 3) < 0.001, `${left} and ${right}`);
@@ -460,7 +462,7 @@ test("two cursors show the samples under them and their differences", async () =
   await becomes("B", (time) => time > moved && time < right);
   const box = await page.locator(".plot .u-over").nth(1).boundingBox();
   await page.mouse.click(box.x + 2, box.y + box.height / 2);
-  await becomes("A", (time) => time < left - 3); // it has come to the left edge, 3.3 s before
+  await becomes("A", (time) => time < left - 3); // it moved to the left edge, 3.3 s earlier
   await differs("Load Position Actual Value");
   await command("pause").click();
   await page.locator(".cursor-table").waitFor({ state: "hidden" });
@@ -658,7 +660,7 @@ test("a mode has what is set for it, by name and as a number, and is set", async
 test("a jogged axis stops when its window loses the focus", async () => {
   await pressAndHold(page, command("jog-plus"));
   await waitForText(figure("velocity"), JOGS);
-  // As a browser reports it; the mouse button stays pressed.
+  // As reported by a browser; the mouse button stays pressed.
   await page.evaluate(() => window.dispatchEvent(new Event("blur")));
   await waitForText(figure("velocity"), /^−?\d UU\/s/);
   await page.mouse.up();
@@ -667,7 +669,7 @@ test("a jogged axis stops when its window loses the focus", async () => {
 test("a jog that the gateway has ended needs a new press", async () => {
   await pressAndHold(page, command("jog-plus"));
   await waitForText(figure("velocity"), JOGS);
-  // The page stands still for longer than the 400 ms of the gateway, with the button held.
+  // The page stalls for longer than the 400 ms of the gateway while the button is held.
   await page.evaluate(() => {
     for (const end = performance.now() + 1_500; performance.now() < end; );
   });
@@ -681,15 +683,15 @@ test("a jog that the gateway has ended needs a new press", async () => {
 });
 
 test("a page whose thread is late by 5 s keeps control", async () => {
-  // The gateway takes a holder of control for lost after 10 s; before this page had a thread for
-  // its connection, 2 s of drawing were enough.
+  // The gateway considers a holder of control lost after 10 s. Before the page used a separate
+  // thread for its connection, 2 s of drawing were enough.
   const goOn = await blockThread(page);
   await new Promise((resolve) => setTimeout(resolve, 5_000));
   await goOn();
   await waitForText(page.locator(".holder"), /You have control/);
   await waitForText(figure("state"), /Operation enabled/);
   await waitForText(figure("owner"), /this page/);
-  await page.locator('[data-test="enable"]:enabled').waitFor(); // the bench was silent for this page
+  await page.locator('[data-test="enable"]:enabled').waitFor(); // its data was old
 });
 
 test("a blocked load ends in the fault 8611h", async () => {
@@ -723,7 +725,8 @@ test("an event leads to its time in the plots, where the fault has its name, als
   const event = () => page.locator(".events li", { hasText: "fault 0x8611" }).locator("button").first();
   await event().click();
   await resetZoom("enabled").waitFor();
-  // Where rows above it come and go, the plot moves away from under a pointer that rests; a person follows it.
+  // When rows above it appear and disappear, the plot moves away from a resting pointer; a person
+  // would follow it.
   const hover = () => page.locator(".plot .u-over").first().hover();
   const named = /^Cursor \d\d:\d\d:\d\d\.\d{3}, tick \d+: .*8611h following error/;
   await waitForText(page.locator(".cursor-text"), named, PATIENCE_MS, hover);
@@ -772,7 +775,8 @@ test("an edit that a person leaves as it is writes the value that its field show
   await page.fill('[data-test="new_window"]', "30000");
   await page.locator('[data-test="new_window"]').press("Enter");
   await waitForText(command("error_window"), /^30.000 UU$/);
-  // Another program changes a test input twice: between the two sights of it the list has read all objects.
+  // Another program changes a test input twice; between the two observations the list has read all
+  // objects.
   for (const value of ["1", "0"]) {
     assert.equal(await runTool("write", "1.1", "0x5E08", value), 0);
     await waitForText(page.locator('[data-object="0x5E08"] .value .number'), new RegExp(`^${value}$`));
@@ -783,7 +787,7 @@ test("an edit that a person leaves as it is writes the value that its field show
 });
 
 test("reading objects causes no refusal", async () => {
-  // The list of errors has the one entry of the fault; the other seven would be refused.
+  // The error history contains the fault only; reading the other seven entries would be refused.
   await page.fill(".objects .search", "");
   await waitForText(page.locator('[data-object="0x1003"] .value .number'), /^1$/);
   await waitForText(page.locator('[data-object="0x1003:01"] .value .number'), /^\d/);
@@ -874,7 +878,7 @@ test("the judge tells what a master does wrong while its panel is open", async (
 
 test("Enter on a row opens the axis, where the next Tab goes on, and back leads to the row", async () => {
   await page.click("nav a >> nth=0");
-  await page.locator(".row[data-address='1.2']").waitFor(); // keys go through rows that are there
+  await page.locator(".row[data-address='1.2']").waitFor(); // keys step through the rows that exist
   await page.locator(".scroller").focus();
   await page.keyboard.press("ArrowDown");
   await page.locator(".row.selected[data-address='1.2']").waitFor();
@@ -901,7 +905,7 @@ test("a target stays in another view, and is converted with the unit", async () 
   assert.ok(await page.locator("label", { hasText: "relative" }).locator("input").isChecked());
   await page.locator("label", { hasText: "relative" }).locator("input").uncheck();
   await unitSelect().selectOption("axis");
-  // 100,000 UU of 4,096 a turn of 360 degrees.
+  // 100,000 UU at 4,096 UU per turn of 360 degrees.
   await waitForValue("#move-target", "8789.06");
   await unitSelect().selectOption("user");
   await waitForValue("#move-target", "100000");
@@ -923,7 +927,7 @@ test("objects and CSV are in the unit that the page shows", async () => {
 });
 
 test("an edit that begins before the value was read writes nothing until a person has typed one", async () => {
-  // Another unit makes new rows: as soon as this one is there, before the answer with its value.
+  // Another unit creates new rows; check as soon as this one exists, before its value is received.
   await page.evaluate(() => {
     const find = () => document.querySelector('[data-object="0x6081"]');
     const before = find();
@@ -1044,7 +1048,7 @@ test("chosen axes move together", async () => {
 test("the clock of the bench is paused and runs again", async () => {
   await command("pause_clock").click();
   await waitForText(page.locator(".clock-text"), /realtime, paused/);
-  // It still sends its state: the shown values are not old.
+  // It still sends its state, so the values shown are not old.
   await page.click("nav a >> nth=0");
   await waitForText(page.locator('[data-address="1.1"] .age'), FRESH);
   await waitForNone(page.locator(".row.old"));
@@ -1056,7 +1060,7 @@ test("the clock of the bench is paused and runs again", async () => {
 // 512x384 is 1024x768 at 200 %, 390x400 is 780x800 at 200 %.
 const SIZES = [[1440, 900], [1180, 800], [1140, 800], [1024, 768], [780, 800], [390, 844], [512, 384], [390, 400]];
 
-/** What is wrong with the place of STOP, nothing when a pointer reaches the whole of it. */
+/** What is wrong with the place of STOP; nothing if all of it can be reached by a pointer. */
 const stopProblem = (shown) =>
   shown.locator('[data-test="stop"]').evaluate((stop) => {
     const { left, top, right, bottom } = stop.getBoundingClientRect();
@@ -1127,7 +1131,7 @@ test("no table is wider than its window, and the plots use the height of theirs"
   await other.context().close();
 });
 
-/** What axe finds in the document that is shown: rule and elements. */
+/** The findings of axe in the document shown: rule and elements. */
 const findings = (shown) =>
   shown.evaluate(async () => {
     const { violations } = await globalThis.axe.run(document, { resultTypes: ["violations"] });
@@ -1147,7 +1151,8 @@ test("every view is accessible, in both themes, wide and narrow, with and withou
       for (const [narrow, width] of WIDTHS.entries()) {
         await shown.setViewportSize({ width, height: 900 });
         for (const [light, theme] of THEMES.entries()) {
-          // Each view in each pair of control, width and theme; a night has each three of them.
+          // Each view with each pair of control, width and theme; at night with each combination of
+          // the three.
           if ((control + narrow + light) % 2 === 1 && process.env.VDRIVE_NIGHTLY !== "1") continue;
           await shown.selectOption(".settings select >> nth=2", theme);
           assert.deepEqual(await findings(shown), [], `${view} ${theme}, ${width} pixels, ${control === 1 ? "with" : "without"} control`);
@@ -1188,7 +1193,7 @@ test("an axis that is not there is named", async () => {
 
 test("control is taken from its holder after a question that names it and what moves, and the holder learns by whom", async () => {
   await page.goto(`${gateway.address}#/axis/1.1`);
-  await figure("state").waitFor(); // Control, which the page leaves, has such a field, too
+  await figure("state").waitFor(); // Control, the view before, has such a field, too
   await page.fill("#move-target", "-900000");
   await command("move").click();
   await waitForText(figure("velocity"), /−\d\d.\d{3}/);
@@ -1230,7 +1235,7 @@ test("the page shows Chinese and keeps the choice", async () => {
   await waitForText(page.locator("[aria-current]"), /轴/);
   await page.reload();
   await waitForText(figure("state"), /禁止接通|快速停机/);
-  // The events from before it are there again: the gateway keeps them.
+  // The earlier events are shown again, because the gateway keeps them.
   await waitForText(page.locator(".events"), /fault 0x8611/);
   await page.selectOption(".settings select >> nth=1", "en");
 });
@@ -1274,7 +1279,7 @@ test("a page that stands still permanently is a lost master", async () => {
   await waitForText(page.locator(".holder"), /Control is held by/);
   await waitForText(figure("owner"), /page/);
   await blockThread(other);
-  // 10 s after its last answer, and 10 s of the watchdog of this bench.
+  // 10 s after its last answer, plus 10 s of the watchdog of this bench.
   await waitForText(page.locator(".holder"), /Nobody has control/);
   await waitForText(figure("fault"), /8130h/);
   await other.context().close();
@@ -1288,7 +1293,7 @@ test("a page that stands still is lost after the limit that it chose, and what i
   const other = await openOther("#/axis/1.1");
   await waitForText(other.locator('[data-test="take"]'), /Take control …/);
   await takeOver(other);
-  await page.locator(".notices button").click(); // it was told by whom
+  await page.locator(".notices button").click(); // it was told who took control
   assert.equal(await other.inputValue(silence), "10");
   await waitForText(other.locator('[data-test="on_loss"]'), /^then 6007h = 1: fault 8130h$/);
   await other.selectOption(silence, "1");
@@ -1300,7 +1305,7 @@ test("a page that stands still is lost after the limit that it chose, and what i
   const began = Date.now();
   await blockThread(other);
   await waitForText(page.locator(".holder"), /Nobody has control/);
-  // 1 s, and up to 0.5 s until the worker of that page sees it; the rest is for a busy machine.
+  // 1 s, and up to 0.5 s until the worker of that page notices; the rest is for a busy machine.
   assert.ok(Date.now() - began < 8_000, `lost after ${Date.now() - began} ms, not the 10 s at first`);
   await waitForText(figure("fault"), /8130h/);
   await other.context().close();
@@ -1332,7 +1337,7 @@ test("a killed gateway is reported lost, and found again", async () => {
   await waitForText(figure("age"), FRESH);
 });
 
-/** Draws no frame of a page until the returned function is called, as a browser does with a hidden tab. */
+/** Stops drawing a page until the returned function is called, as browsers do with hidden tabs. */
 async function hold(shown) {
   await shown.evaluate(() => {
     window.drawsFrame = window.requestAnimationFrame;
@@ -1356,7 +1361,7 @@ for (const [view, age] of [["#/", '[data-address="1.1"] .age'], ["#/axis/1.1", '
       const show = await hold(page);
       await gateway.stop("SIGKILL");
       gateway = await startGateway(gateway.port, "--control");
-      // It has found the bench, and the page has had the time of its longest retry.
+      // The new gateway has found the bench, and the page's longest retry interval has passed.
       const other = await openOther("#/axis/1.1");
       await waitForText(other.locator('[data-figure="age"]'), FRESH);
       await other.waitForFunction(() => performance.now() > 3_000);
@@ -1373,7 +1378,7 @@ for (const [view, age] of [["#/", '[data-address="1.1"] .age'], ["#/axis/1.1", '
   });
 }
 
-/** Every channel that the gateway offers, by topic. */
+/** All channels offered by the gateway, by topic. */
 const channels = () =>
   page.evaluate(
     () =>
@@ -1408,7 +1413,7 @@ test("the gateway serves a layout of Foxglove whose topics and fields it has", a
     if (topicToRender !== undefined) assert.ok(topicToRender in schemas, topicToRender);
     for (const { value } of paths) {
       const [topic, field] = value.split(".");
-      assert.ok(given.includes(topic) || has(topic, field), value); // the fields of scripts are those of their own test
+      assert.ok(given.includes(topic) || has(topic, field), value); // scripts are tested above
     }
   }
 });

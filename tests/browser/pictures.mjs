@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Makes docs/images/page_*.png: each view in both themes and both widths, of a bench that works.
+// Creates docs/images/page_*.png: each view in both themes and both widths, with a bench in
+// operation.
 import { spawnSync } from "node:child_process";
 import { mkdtempSync, rmSync, writeFileSync } from "node:fs";
 import { tmpdir } from "node:os";
@@ -13,7 +14,7 @@ const SIZES = [
   { name: "wide", width: 1280, height: 860 },
   { name: "narrow", width: 390, height: 844 },
 ];
-const COLOURS = 96; // of a picture: more are not visible
+const COLOURS = 96; // per picture: more make no visible difference
 
 const work = mkdtempSync(join(tmpdir(), "vdrive-pictures-"));
 
@@ -78,7 +79,7 @@ try {
         await page.selectOption(".settings select >> nth=2", theme);
         await page.locator("main").evaluate((main) => main.scrollTo(0, 0));
         await page.mouse.move(0, 0);
-        await page.waitForTimeout(1_000); // the figures of a few frames
+        await page.waitForTimeout(1_000); // the metrics of some frames
         const file = join(work, `page_${view}_${theme}_${size.name}.png`);
         await page.screenshot({ path: file });
         const small = join(IMAGES, `page_${view}_${theme}_${size.name}.png`);

@@ -1,16 +1,17 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: Apache-2.0
-# The page of the gateway in a real browser (Debian's chromium): builds what it needs, then runs
-# page_test.mjs, or makes the pictures of the documents.
+# The page of the gateway in a real browser (Debian's chromium): builds its
+# dependencies, then runs page_test.mjs or creates the pictures for the documents.
 #
 #   tests/browser/run.sh [--no-build] [--pictures | --frames | --load]
 #
-#   --no-build   the programs in build/release/bin are current
-#   --pictures   makes docs/images/page_*.png instead of testing
-#   --frames     counts the frames a second of the overview with 1,024 axes instead of testing
-#   --load       measures processor time and memory of gateway and page with 1,024 axes instead
+#   --no-build   uses the programs in build/release/bin as they are
+#   --pictures   creates docs/images/page_*.png instead of testing
+#   --frames     measures the frames per second of the overview with 1,024 axes instead of testing
+#   --load       measures processor time and memory of gateway and page with 1,024 axes instead of
+#                testing
 #
-# Exit code 0: all passed; 77: the registry of npm cannot be reached, nothing was tested.
+# Exit code 0: all passed; 77: nothing was tested, because the npm registry cannot be reached.
 set -euo pipefail
 
 here=$(cd "$(dirname "${BASH_SOURCE[0]}")" && pwd)

@@ -4,9 +4,9 @@
 
   bus_log.py PRINT_FRAMES WORK
 
-PRINT_FRAMES of this build says what each frame of a log is: each identifier of the base format once, the log
-of the guide, and 5,000 frames of any identifier and length. tshark decodes the same frames as CANopen.
-Exit code 0: they agree; 77: tshark is not there.
+PRINT_FRAMES of this build prints the kind of each frame in a log: each identifier of the base
+format once, the log of the guide, and 5,000 random frames. tshark decodes the same frames as
+CANopen. Exit code 0: they agree; 77: tshark is missing.
 """
 import pathlib
 import random
@@ -22,7 +22,7 @@ LINKTYPE_CAN_SOCKETCAN = 227  # https://www.tcpdump.org/linktypes.html
 GUIDE = pathlib.Path(__file__).resolve().parents[2] / "docs/guides/one_move.candump"
 PATIENCE = 120  # [s]
 
-# How tshark begins its description, by our name of the kind.
+# The beginning of tshark's description, by our name of the kind.
 KINDS = {"NMT Error Control": "heartbeat", "NMT": "nmt", "SYNC": "sync", "EMCY": "emergency",
          "TIME STAMP": "time_stamp", "Default-SDO (tx)": "sdo_response", "Default-SDO (rx)": "sdo_request",
          "LSS": "lss", "Unknown": "foreign"}
@@ -41,7 +41,7 @@ def kind_of(text):
 
 
 def usual_data(identifier):
-    """Of the length that its kind has."""
+    """Random data of the length required by the kind."""
     if identifier == 0:
         return bytes([1, 5])
     if identifier == 0x080:
@@ -61,9 +61,11 @@ def any_frames(count):
     numbers = random.Random(53)
     for _ in range(count):
         identifier = numbers.randrange(0x800)
-        # tshark describes a frame of NMT error control by its content: it needs one.
+        # tshark describes a frame of NMT error control by its content, so it needs at least one
+        # byte.
         least = 1 if identifier & 0x780 == 0x700 else 0
-        # Zeros: a PDO configured on the way would have identifiers that tshark does not learn.
+        # Zeros, since a PDO configured on the way would have identifiers that tshark does not
+        # learn.
         yield identifier, bytes(numbers.randint(least, 8))
 
 
@@ -74,7 +76,7 @@ def write_log(path, frames):
 
 
 def write_capture(path, frames):
-    """A pcap file of SocketCAN frames, in host byte order but for the identifier."""
+    """A pcap file of SocketCAN frames, in host byte order except for the identifier."""
     with path.open("wb") as file:
         file.write(struct.pack("<IHHiIII", 0xA1B2C3D4, 2, 4, 0, 0, 65535, LINKTYPE_CAN_SOCKETCAN))
         for number, (identifier, data) in enumerate(frames):

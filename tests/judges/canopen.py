@@ -1,18 +1,17 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: Apache-2.0
-"""Judges of the CANopen nodes from outside this project.
+"""Independent judges of the CANopen nodes.
 
   canopen.py VDRIVE VDRIVE_CANOPEN WORK
 
-In both clocks: the master of the package canopen (npm, versions fixed by the lock file) loads the DCF of
-each node, boots three nodes, reads all that they name, remaps PDOs, moves by SDO and by PDO, streams
-positions, homes, meets a fault and resets. Meanwhile Debian's python3-can listens on the same bus: it
-receives every frame, in the order in which the master has sent and received them, and the program
-counts as many. Debian's tshark decodes the capture as CANopen, without a malformed frame.
-Then the tests that the package canopen has of its own for SDO and PDO run against 126 nodes, those
-that can; a line for each says what came of it.
-WORK is a directory for the packages of npm. Exit code 0: all agree; 77: a judge is not there (no node,
-no registry, no python3-can, no tshark).
+In both clocks: the master of the package canopen (npm, versions fixed by the lock file) loads the
+DCF of each node, boots three nodes, reads all objects in the DCF, remaps PDOs, moves by SDO and by
+PDO, streams positions, homes, causes a fault and resets it. Debian's python3-can listens on the
+same bus: it must receive every frame in the order in which the master has sent and received them,
+and as many as the program counts. Debian's tshark decodes the capture as CANopen and must find no
+malformed frame. Then the package's own tests of SDO and PDO run against 126 nodes, as far as
+possible, with a line for the outcome of each. WORK is a directory for the npm packages. Exit code
+0: all agree; 77: a judge is missing (no node, no registry, no python3-can, no tshark).
 """
 import json
 import logging
@@ -37,7 +36,7 @@ HIGHEST_BASE_ID = 0x7FF
 
 
 def load_can():
-    """python-can, or the end of this test."""
+    """python-can; without it the test is skipped."""
     try:
         import can
     except ImportError:
@@ -47,7 +46,7 @@ def load_can():
 
 
 class Bus:
-    """vdrive-canopen with a bench of its own."""
+    """vdrive-canopen with a private bench."""
 
     def __init__(self, program, clock, programs, nodes=NODES, more=()):
         options = ["--clock", clock] + (["--sync-steps", PERIOD] if clock == "lockstep" else [])
@@ -61,7 +60,7 @@ class Bus:
         self.host, self.port = place[1], int(place[2])
 
     def end(self):
-        """End the program; return how many frames it counted."""
+        """End the program; return the number of frames that it counted."""
         self.process.terminate()
         output, _ = self.process.communicate(timeout=PATIENCE)
         counted = re.search(r"(\d+) frames", output)
@@ -71,7 +70,7 @@ class Bus:
 
 
 class Listener:
-    """python3-can on the bus, in a thread of its own."""
+    """python3-can on the bus, in a separate thread."""
 
     def __init__(self, can, bus):
         self.messages = []
@@ -102,29 +101,30 @@ def frame_of(message):
 
 
 def is_of_master(frame):
-    """NMT, SYNC, RPDOs, SDO requests: what nodes do not send (CiA 301, table 39)."""
+    """NMT, SYNC, RPDOs, SDO requests: frames that nodes do not send (CiA 301, table 39)."""
     return frame[0] in (0x000, 0x080) or frame[0] & 0x780 in (0x200, 0x300, 0x400, 0x500, 0x600)
 
 
 def compare(seen, judged, counted):
-    """What python3-can received with what the master sent and received, and the count of the bus."""
+    """Compare the frames received by python3-can with those of the master and with the count of
+    the bus."""
     for name, frames in (("sent", [frame for frame in seen if is_of_master(frame)]),
                          ("received", [frame for frame in seen if not is_of_master(frame)])):
         expected = judged[name]
         if name == "received":
-            frames = frames[:len(expected)]  # nodes may send while the master leaves
+            frames = frames[:len(expected)]  # nodes may send while the master ends
         for place, (ours, theirs) in enumerate(zip(frames, expected)):
             if ours != theirs:
                 fail(f"frame {place} that the master has {name} is {theirs}, python3-can has {ours}")
         if len(frames) != len(expected):
             fail(f"python3-can has {len(frames)} of {len(expected)} frames that the master has {name}")
-    # Those of before python3-can joined are the boot-ups.
+    # The boot-ups precede python3-can's connection.
     if counted != len(seen) + NODES:
         fail(f"the bus counted {counted} frames: {NODES} boot-ups and {len(seen)} that python3-can received")
 
 
 def write_capture(path, messages):
-    """A pcap file of SocketCAN frames, in host byte order but for the identifier."""
+    """A pcap file of SocketCAN frames, in host byte order except for the identifier."""
     with path.open("wb") as file:
         file.write(struct.pack("<IHHiIII", 0xA1B2C3D4, 2, 4, 0, 0, 65535, LINKTYPE_CAN_SOCKETCAN))
         for message in messages:
@@ -156,7 +156,7 @@ def decode(path, frames):
 
 
 def verdict_of(vdrive, file):
-    """The judge's findings, as rule and number of the axis, and the rules that it could not judge."""
+    """The judge's findings, as rule and axis number, and the rules that it could not judge."""
     done = subprocess.run([vdrive, "judge", file, "--json", "--fail-on", "never"], capture_output=True, text=True,
                           timeout=PATIENCE)
     if done.returncode != 0:
@@ -169,7 +169,8 @@ def verdict_of(vdrive, file):
 def compare_verdicts(vdrive, log, journal):
     """The log of the bus and the journal of its bench have the same findings about words and targets.
 
-    Rules about PDOs, SYNC and NMT are of the bus; a bench has as commands what PDOs repeat, and shows each tick.
+    Rules about PDOs, SYNC and NMT apply to the bus only. To a bench, repeated PDOs are commands,
+    and its journal shows each tick.
     """
     (of_log, not_log), (of_journal, not_journal) = verdict_of(vdrive, log), verdict_of(vdrive, journal)
     unknown = not_log | not_journal

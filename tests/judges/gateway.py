@@ -1,13 +1,13 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: Apache-2.0
-"""Judges of the gateway from outside this project.
+"""Independent judges of the gateway.
 
   gateway.py VDRIVED VDRIVE GATEWAY WORK
 
 Foxglove's client and decoder (npm, versions fixed by the lock file) offer foxglove.websocket.v1 and
-decode every tick of a lock-step run: the values equal those that `vdrive record` wrote. Python's
-websockets offers only foxglove.sdk.v1. WORK is a directory for the packages of npm.
-Exit code 0: all agree; 77: a judge is not there (no node, no registry, no python3-websockets).
+decode every tick of a lock-step run: the values must equal those of `vdrive record`. Python's
+websockets offers only foxglove.sdk.v1. WORK is a directory for the npm packages.
+Exit code 0: all agree; 77: a judge is missing (no node, no registry, no python3-websockets).
 """
 import asyncio
 import csv
@@ -21,7 +21,7 @@ import sys
 HERE = pathlib.Path(__file__).resolve().parent
 DOMAIN = "44"
 TICKS = 400
-TICKS_AT_ONCE = 20  # the status is best effort: a burst of hundreds loses some of it
+TICKS_AT_ONCE = 20  # the status is best effort: a burst of hundreds loses samples
 SKIPPED = 77
 
 
@@ -36,7 +36,7 @@ def fail(text):
 
 
 def install(work, judge="foxglove"):
-    """The packages of the lock file of a judge, below `work`."""
+    """Installs the packages of a judge's lock file below `work`."""
     if not shutil.which("npm") or not shutil.which("node"):
         skip("node or npm is not installed")
     shutil.copytree(HERE / judge, work, dirs_exist_ok=True,
@@ -48,7 +48,7 @@ def install(work, judge="foxglove"):
 
 
 class Programs:
-    """Programs that end with the test."""
+    """Programs that end together with the test."""
 
     def __init__(self):
         self.running = []
@@ -74,12 +74,12 @@ def first_tick(vdrive):
 
 
 def compare(recording, judged):
-    """Every tick of the recording, every member that both have."""
+    """Compares every tick of the recording and every member that both have."""
     rows = 0
     for row in csv.DictReader(recording.open()):
         other = judged["ticks"].get(row["tick"])
         if other is None:
-            continue  # lost on the way to one of the two, which both count
+            continue  # lost by one of the two, both of which count losses
         members = set(row) & set(other)
         if len(members) < 20:
             fail(f"only {len(members)} members have common names")
@@ -103,7 +103,7 @@ def judge_foxglove(vdrive, port, work, programs):
     recording.unlink(missing_ok=True)
     recorder = programs.start(vdrive, "--domain", DOMAIN, "record", recording, "1.1", "--count",
                               str(TICKS))
-    # The recorder writes what it receives: it is there when the file has its header.
+    # The recorder is receiving once its file has a header.
     while not (recording.exists() and recording.stat().st_size) and recorder.poll() is None:
         subprocess.run([vdrive, "--domain", DOMAIN, "step", "1"], check=True, capture_output=True)
     steps = [["step", str(TICKS_AT_ONCE)]] * (2 * TICKS // TICKS_AT_ONCE)

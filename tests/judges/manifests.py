@@ -1,14 +1,15 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: Apache-2.0
-"""Judges of the manifests of Kubernetes from outside this project.
+"""Independent judges of the Kubernetes manifests.
 
   manifests.py VDRIVED WORK
 
-`kubectl kustomize` renders each overlay of deploy/kubernetes, and packages of npm (versions fixed by
-the lock file) compare all documents with the schemas of Kubernetes. What no schema knows is compared
-here: whatever is named is there, `vdrived --check` takes each configuration, and the pods that
-pods.py makes for podman are those of the manifests. WORK is a directory for the packages of npm.
-Exit code 0: all agree; 77: a judge is not there (no kubectl, no node, no registry).
+`kubectl kustomize` renders each overlay of deploy/kubernetes, and packages of npm (versions fixed
+by the lock file) compare all documents with the schemas of Kubernetes. This program checks what no
+schema covers: every name refers to something that exists, `vdrived --check` accepts each
+configuration, and the pods that pods.py makes for podman are those of the manifests. WORK is a
+directory for the npm packages. Exit code 0: all agree; 77: a judge is missing (no kubectl, no node,
+no registry).
 """
 import pathlib
 import re
@@ -24,8 +25,8 @@ MANIFESTS = HERE.parents[1] / "deploy/kubernetes"
 sys.path.insert(0, str(MANIFESTS))
 import pods  # noqa: E402
 OVERLAYS = ("lab", "cluster", "closed", "monitor")
-# Mistakes that a reader overlooks: what stands in the lab's manifests, what is written in its place,
-# and what the judge says about it.
+# Mistakes that a reader overlooks: the text in the lab's manifests, its replacement, and the
+# judge's message.
 MISTAKES = (
     ("readinessProbe:", "readynessProbe:", "'\"readynessProbe\"' does not exist"),
     ("clusterIP: None", "clusterIp: None", "'\"clusterIp\"' does not exist"),
@@ -44,7 +45,7 @@ def render(overlay):
 
 
 def judge(work, *files):
-    """Returns what the judge prints, and whether it agrees."""
+    """Returns the judge's output, and whether it agrees."""
     done = subprocess.run(["node", "judge.mjs", *files], cwd=work, capture_output=True, text=True,
                           timeout=120)
     return done.stdout + done.stderr, done.returncode == 0
@@ -61,7 +62,7 @@ def check_mistakes(work, lab):
 
 
 class Fleet:
-    """The documents of an overlay, and what they name."""
+    """The documents of an overlay, and the names that they refer to."""
 
     def __init__(self, name, text, vdrived, work):
         self.name = name
@@ -81,14 +82,14 @@ class Fleet:
             fail(f"{self.name}: {text}")
 
     def selected(self, document, labels):
-        """The sets whose pods a document selects."""
+        """The sets whose pods are selected by a document."""
         found = [s for s in self.sets
                  if labels.items() <= s["spec"]["template"]["metadata"]["labels"].items()]
         self.expect(found, f"{document['kind']} {document['metadata']['name']} selects no pod")
         return found
 
     def check_names(self, text):
-        """Names of pods in a configuration or an argument."""
+        """The names of pods in a configuration or an argument."""
         names = re.findall(r"\bvdrive-[a-z]+-\d+\.[a-z-]+", text)
         for name in names:
             self.expect(name in self.pods, f"{name} is none of {sorted(self.pods)}")
@@ -132,7 +133,7 @@ class Fleet:
         self.expect(not self.sets or named, "nobody names a server or a peer")
 
     def made_pods(self):
-        """What pods.py makes, by the names in the network."""
+        """The pods made by pods.py, by network name."""
         secrets = {v["secret"]["secretName"] for s in self.sets
                    for v in s["spec"]["template"]["spec"].get("volumes", []) if "secret" in v}
         return dict(pods.pods_of([*self.documents, *(
@@ -153,7 +154,7 @@ class Fleet:
                     self.check_pod(alias, pod["spec"], template["spec"])
 
     def check_pod(self, alias, pod, template):
-        """All but what is documented in pods.py."""
+        """Everything except the differences documented in pods.py."""
         def rest(of, *left_out):
             return {key: value for key, value in of.items() if key not in left_out}
 
@@ -171,7 +172,7 @@ class Fleet:
                         f"{alias}: pods.py makes the volumes {pod['volumes']}")
 
     def check_configuration(self, text):
-        """The credentials of the closed mode are not here: they are all that may be missing."""
+        """Only the credentials of closed mode may be missing."""
         (self.work / "vdrived.yaml").write_text(text)
         done = subprocess.run([self.vdrived, "--check", self.work / "vdrived.yaml"],
                               capture_output=True, text=True, timeout=60)

@@ -1,14 +1,15 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: Apache-2.0
-"""Judges of MCAP recordings from outside this project.
+"""Independent judges of MCAP recordings.
 
   recording.py VDRIVED VDRIVE WORK [SEED]
 
 A lock-step run is recorded as CSV and as MCAP. The reader of MCAP's authors and the decoder of
-Foxglove (npm, versions fixed by the lock file) read every record, sum and count; the values equal
-those of the CSV. They read the file also cut off at 200 places, which SEED gives; it is printed.
-Once for a bench with a topic an axis, once for one with a topic for all axes. WORK is a directory
-for the packages of npm. Exit code 0: all agree; 77: a judge is not there (no node, no registry).
+Foxglove (npm, versions fixed by the lock file) read every record, checksum and count; the values
+must equal those of the CSV. They also read the file truncated at 200 places determined by SEED,
+which is printed. This is done for a bench with one topic per axis, and for one with a topic for all
+axes. WORK is a directory for the npm packages. Exit code 0: all agree; 77: a judge is missing (no
+node, no registry).
 """
 import csv
 import json
@@ -22,7 +23,7 @@ from gateway import Programs, fail, install
 
 CUTS = 200
 TICKS = 1500
-TICKS_AT_ONCE = 20  # the status is best effort: a burst of hundreds loses some of it
+TICKS_AT_ONCE = 20  # the status is best effort: a burst of hundreds loses samples
 
 
 class Bench:
@@ -53,7 +54,7 @@ class Bench:
 def record_run(bench, files):
     """Returns the summary of each recorder."""
     recorders = [bench.record(file) for file in files]
-    # A recorder writes the beginning of its file once it follows the stream.
+    # A recorder has written the beginning of its file once it receives the stream.
     while not all(file.exists() and file.stat().st_size for file in files):
         bench.run("step", "1")
     bench.run("enable", "1.1")
@@ -71,7 +72,7 @@ def record_run(bench, files):
 
 
 def rows_of(judged):
-    """The decoded status by axis and tick, of messages of one axis or of all axes."""
+    """The decoded status by axis and tick, from messages of single axes or of all axes."""
     rows = {}
     for message in judged["rows"]:
         axes = message["axis"]
@@ -86,12 +87,12 @@ def rows_of(judged):
 
 
 def compare(recording, judged):
-    """Every row of the CSV, every member that both have."""
+    """Compares every row of the CSV and every member that both have."""
     rows, common = rows_of(judged), 0
     for row in csv.DictReader(recording.open()):
         other = rows.get((int(row["axis"].split(".")[1]), row["tick"]))
         if other is None:
-            continue  # lost on the way to one of the two recorders, which both count
+            continue  # lost by one of the two recorders, both of which count losses
         members = (set(row) & set(other)) - {"tick", "axis"}
         if len(members) < 20:
             fail(f"only {len(members)} members have common names")

@@ -1,13 +1,13 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: Apache-2.0
-"""A judge of vdrive-ros2 from outside this project.
+"""An independent judge of vdrive-ros2.
 
   ros2.py VDRIVED VDRIVE ROS2 WORK
 
 Foxglove's ROS 2 stack (npm, versions fixed by the lock file; no Fast DDS, no Cyclone DDS) finds
 /joint_states, decodes every field of 1,000 messages while an axis moves, and sees the hash of the
-type. WORK is a directory for the packages of npm.
-Exit code 0: all agree; 77: the judge is not there (no node, no registry).
+type. WORK is a directory for the npm packages.
+Exit code 0: all agree; 77: the judge is missing (no node, no registry).
 """
 import json
 import math
@@ -40,7 +40,7 @@ def expect(value, wanted, what):
 
 
 def install(work):
-    """The packages of the lock file, below `work`, unless they are there."""
+    """Installs the packages of the lock file below `work`, unless they are installed."""
     if not shutil.which("npm") or not shutil.which("node"):
         skip("node or npm is not installed")
     work.mkdir(parents=True, exist_ok=True)
@@ -99,7 +99,7 @@ def main():
                        capture_output=True, timeout=60)
         start(ros2, "--domain", DOMAIN, stdout=subprocess.DEVNULL)
         judge = start("node", work / "judge.mjs", DOMAIN, str(MESSAGES), stdout=subprocess.PIPE)
-        # The judge has begun to read when its output shows its first message.
+        # The judge is receiving once its output shows the first message.
         if judge.stdout.readline() != "first\n":
             fail("no message came")
         for words in (["enable", "1.1"], ["move", "1.1", str(TARGET)]):

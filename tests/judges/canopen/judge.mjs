@@ -3,9 +3,10 @@
 //
 //   node judge.mjs HOST PORT SHEETS CLOCK OUTPUT
 //
-// SHEETS: a directory with the DCF of each node, node1.dcf and so on. CLOCK: realtime, or lockstep, where each SYNC lets 10 ms pass. OUTPUT: a
-// file that gets one JSON object {"sent": [[id, hex]], "received": [[id, hex]]}: all frames of this
-// master and of its nodes, in order. Exit code 0: all that it expects has come true.
+// SHEETS: a directory with the DCF of each node, node1.dcf and so on. CLOCK: realtime, or lockstep,
+// where each SYNC lets 10 ms pass. OUTPUT: a file for one JSON object {"sent": [[id, hex]],
+// "received": [[id, hex]]} with all frames of this master and of its nodes, in order. Exit code 0:
+// all expectations were met.
 import assert from "node:assert/strict";
 import fs from "node:fs";
 import path from "node:path";
@@ -19,7 +20,7 @@ const { AccessType, DataType, Device, Eds, NmtState, ObjectType } = canopen;
 
 const NODES = [1, 2, 3];
 const PERIOD = 10; // [ms] of SYNC
-const PATIENCE = 60_000; // [ms] of wall clock, for what a busy machine delays
+const PATIENCE = 60_000; // [ms] of wall-clock time, generous for busy machines
 const [host, port, folder, clock, output] = process.argv.slice(2);
 
 const log = { sent: [], received: [] };
@@ -56,7 +57,7 @@ bus.on("frame", ({ id, data }) => {
 });
 device.emcy.on("emergency", ({ cobId, em }) => emergencies.push([cobId, em.code]));
 device.start();
-device.nmt.startNode(); // itself: it has PDOs in this state only
+device.nmt.startNode(); // the master itself: its PDOs work only in this state
 
 // Time.
 
@@ -75,14 +76,14 @@ async function refusal(promise) {
 }
 
 let syncTimer; // in realtime
-const beforeSync = []; // what is sent in front of each SYNC
+const beforeSync = []; // sent before each SYNC
 
 function sync() {
   for (const act of beforeSync) act();
   device.sync.write();
 }
 
-/** One period. In lock-step SYNC lets it pass, and the answer of `fence` comes behind what it caused. */
+/** One period. In lock-step SYNC lets it pass; the answer of `fence` follows all its effects. */
 async function pass(fence = 3) {
   if (clock === "realtime") return sleep(PERIOD);
   sync();
@@ -98,7 +99,7 @@ async function until(condition, what, fence = 3) {
   }
 }
 
-// 1. The data sheet, and every object that it names.
+// 1. The data sheet, and every object in it.
 
 const SIZES = new Map([
   [DataType.INTEGER8, 1],
@@ -130,7 +131,7 @@ async function checkObjects(node, eds) {
     const name = `${index.toString(16)}h:${sub}`;
     if (object.accessType === AccessType.WRITE_ONLY) continue;
     const raw = await read(node, index, sub).catch((error) => {
-      // The error history may answer that it has no such entry yet.
+      // The error history may answer that it has no such entry.
       assert.equal(`${index.toString(16)}: ${error.code}`, `1003: ${0x08000024}`, name);
     });
     if (!raw) continue;
@@ -222,7 +223,7 @@ const status = (node) => images.get(node).statusword.value;
 const position = (node) => images.get(node).position.value;
 
 async function mapAll() {
-  // A mapping is not changed while its PDO is valid.
+  // A mapping cannot be changed while its PDO is valid.
   assert.equal(await refusal(write(1, 0x1a00, 1, 0x60640020, DataType.UNSIGNED32)), 0x06010000);
   for (const node of NODES) {
     addImage(node);
@@ -236,7 +237,7 @@ async function mapAll() {
   await until(() => NODES.every((node) => samples.get(node) > 1), "the TPDOs");
 }
 
-// 3. Profile position: by SDO, and by PDO.
+// 3. Profile position mode, by SDO and by PDO.
 
 const statusBySdo = (node) => read(node, 0x6041, 0, DataType.UNSIGNED16);
 const setControlword = (node, word) => write(node, 0x6040, 0, word, DataType.UNSIGNED16);
@@ -287,7 +288,7 @@ async function moveByPdo() {
   await until(() => status(2) & 0x0400 && position(2) === -7000, "target reached");
 }
 
-// 4. Cyclic synchronous position: all nodes by SYNC at 100 Hz, 60C2h = 10 ms.
+// 4. Cyclic synchronous position mode: all nodes by SYNC at 100 Hz, 60C2h = 10 ms.
 
 async function stream() {
   const cycles = 200;
@@ -320,12 +321,12 @@ async function stream() {
   beforeSync.length = 0;
   for (const node of NODES) {
     assert.equal(status(node) & 0x6f, 0x27, `node ${node}`);
-    if (clock === "realtime") continue; // where a busy machine delays SYNC and samples
+    if (clock === "realtime") continue; // because a busy machine delays SYNC and samples
     const places = walked.get(node);
     const steps = places.slice(1).map((value, before) => Math.abs(value - places[before]));
     const widest = Math.max(...places.map((value) => Math.abs(value - begin.get(node))));
-    // The crest of the path is amplitude * node / 3, its steepest step amplitude * node / 6 * 2 pi /
-    // cycles: 126 UU for node 3. What is well above it is a jump.
+    // The path's peak is amplitude * node / 3, its steepest step amplitude * node / 6 * 2 pi /
+    // cycles: 126 UU for node 3. Anything well above that is a jump.
     const steepest = (amplitude * node * Math.PI) / 3 / cycles;
     assert.ok(Math.max(...steps) < 1.5 * steepest, `node ${node} jumped by ${Math.max(...steps)}`);
     assert.ok(Math.abs(widest - (amplitude * node) / 3) < 200, `node ${node} went ${widest}`);
@@ -366,7 +367,7 @@ async function meetFault() {
   assert.equal(await read(1, 0x1001, 0, DataType.UNSIGNED8), 0);
 }
 
-// 7. Resets bring the defaults back.
+// 7. Resets restore the defaults.
 
 async function reset() {
   device.nmt.resetNode(1);

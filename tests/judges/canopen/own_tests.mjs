@@ -4,11 +4,11 @@
 //   node own_tests.mjs HOST PORT CLOCK
 //
 // The files are those of the installed package (Daxbot/node-canopen, test/protocol/test_sdo.js and
-// test_pdo.js), unchanged. Their devices are client and server in one, in loopback; here what such a
-// device sends goes to the bus, and the node with its node-ID is the server. In the place of the
-// objects that the tests make, each case has one of the node, of the same length where there is one.
-// One line for each case: what came of it. CLOCK: realtime, or lockstep, where this program sends
-// SYNC. Exit code 0: each case has come to what CASES says, and the files have no other cases.
+// test_pdo.js), unchanged. Their devices are client and server in one, in loopback; here such a
+// device sends to the bus, and the node with its node-ID is the server. Instead of the objects that
+// the tests create, each case uses one of the node, of the same length if there is one. Prints the
+// outcome of each case in a line. CLOCK: realtime, or lockstep, where this program sends SYNC. Exit
+// code 0: each case has the outcome listed in CASES, and the files have no other cases.
 import assert from "node:assert/strict";
 import { createRequire } from "node:module";
 import { setTimeout as sleep } from "node:timers/promises";
@@ -19,16 +19,16 @@ const require = createRequire(import.meta.url);
 const canopen = require("canopen");
 const { DataType, Device, SdoError } = canopen;
 
-const NODE = 0xa; // that the tests use, but for those with all nodes
-const NODES = 126; // the tests with all nodes end with this one
-const PATIENCE = 60_000; // [ms] of wall clock, for what a busy machine delays
+const NODE = 0xa; // the node-ID in the tests, except those with all nodes
+const NODES = 126; // the last one in the tests with all nodes
+const PATIENCE = 60_000; // [ms] of wall-clock time, generous for busy machines
 const [host, port, clock] = process.argv.slice(2);
 
-// What becomes of a case.
+// The expected outcome of a case.
 
-/** The transfers go to object `index` of the node, and the case passes. */
+/** The transfers access object `index` of the node, and the case passes. */
 const passes = (index, subIndex = 0, nodes = 1) => ({ index, subIndex, nodes });
-/** The node aborts the first transfer, with `code`. */
+/** The node aborts the first transfer with `code`. */
 const refused = (code, reason, index, subIndex = 0) => ({ code, reason, index, subIndex, nodes: 1 });
 const alone = { reason: "of the package alone, no frame" };
 
@@ -74,7 +74,8 @@ function casesOfSdo() {
     const expected = isText ? refused(...CONSTANT, 0x1008) : refused(...TOO_LONG, WINDOW);
     add("Segmented", `transfer ${type}`, expected);
   }
-  // Its upload, in segments, comes first, and succeeds: the text is the node's and not the test's.
+  // The segmented upload comes first and succeeds, but returns the node's text instead of the
+  // test's.
   add("Segmented", "transfer subindexes >= 1", { ...passes(0x1008), differs: "vdrive" });
   add("Segmented", "transfer to any valid node id [1 - 127]", refused(...CONSTANT, 0x1008));
   add("Segmented", "handle large transfers", refused(...TOO_LONG, WINDOW));
@@ -86,12 +87,12 @@ function casesOfSdo() {
   return cases.map(([title, expected]) => [`Sdo: ${title}`, expected]);
 }
 
-// The tests map the dummies 0002h and 0005h, of one byte. Here RPDO1 of the node is 6060h and TPDO1 is
-// 6061h, of one byte: a value goes through the drive and comes back.
+// The tests map the dummies 0002h and 0005h, of one byte. Here, RPDO1 of the node is 6060h and
+// TPDO1 is 6061h, also of one byte: a value passes through the drive and back.
 const CASES_OF_PDO = [
   ["should emit start once", alone],
   ["should emit stop once", alone],
-  // The test sends 0; what the node does with it is looked at by readBack.
+  // The test sends 0; readBack checks the effect on the node.
   ["should produce a PDO object", { mode: 1, readBack: 0, nodes: 1 }],
   ["should emit on consuming a PDO object", { mode: 0, readBack: 1, nodes: 1 }],
   ["should listen to Eds#newTpdo", { mode: 0, readBack: 1, nodes: 1 }],
@@ -112,8 +113,8 @@ function fail(error) {
 const bus = await SocketcandClient.connect(host, Number(port));
 bus.on("close", fail);
 const devices = new Set(); // of the running case
-const answered = new Set(); // nodes that sent the running case what it counts
-let counted = 0x580; // SDO responses or, in the cases of PDO, TPDO1
+const answered = new Set(); // nodes that sent the counted kind of frame to the running case
+let counted = 0x580; // SDO responses or, in the PDO cases, TPDO1
 let place; // object of the running case
 let bootUps = 0; // of NODE
 
@@ -140,7 +141,7 @@ async function until(condition, what) {
   }
 }
 
-/** Lets drive time pass: SYNCs, each behind an answer to the one before. SDOs do without. */
+/** Lets drive time pass by SYNCs, with an SDO access between them. SDOs need no drive time. */
 async function sendSyncs() {
   for (;;) {
     bus.send(0x80, []);
@@ -173,10 +174,10 @@ async function preparePdos({ mode }) {
   await write(0x6060, 0, mode, DataType.INTEGER8);
   await until(() => isMode(mode), `6061h = ${mode}`);
   master.nmt.startNode(NODE);
-  await read(0x1000, DataType.UNSIGNED32); // NMT comes before it
+  await read(0x1000, DataType.UNSIGNED32); // answered after the NMT command
 }
 
-// The device of the package's tests.
+// The device in the package's tests.
 
 class DeviceOnBus extends Device {
   constructor(args = {}) {
@@ -184,28 +185,29 @@ class DeviceOnBus extends Device {
     if (!args.loopback) return;
     devices.add(this);
     this.on("message", ({ id, data }) => bus.send(id, data));
-    // Of its time-out of 30 ms a busy machine makes no fault of the node.
+    // On a busy machine the test's time-out of 30 ms would not be the node's fault.
     const toPlace = (args) => ({ ...args, ...place, timeout: PATIENCE });
     const { sdo, eds, pdo } = this;
     const [upload, download] = [sdo.upload.bind(sdo), sdo.download.bind(sdo)];
     sdo.upload = (args) => upload(toPlace(args));
     sdo.download = (args) => download(toPlace(args));
-    // Identifiers that a test leaves out are 600h and 580h in the package, those of no node.
+    // Identifiers that a test omits default to 600h and 580h in the package, which belong to no
+    // node.
     const addServer = eds.addSdoClientParameter.bind(eds);
     eds.addSdoClientParameter = (node, request = 0x600 + node, response = 0x580 + node) =>
       addServer(node, request, response);
-    // What this device transmits as TPDO1 is RPDO1 of the node.
+    // TPDO1 of this device is RPDO1 of the node.
     const toRpdo = (cobId) => (cobId === 0x180 + NODE ? 0x200 + NODE : cobId);
     const [addTransmitPdo, writePdo] = [eds.addTransmitPdo.bind(eds), pdo.write.bind(pdo)];
     eds.addTransmitPdo = (args) => addTransmitPdo({ ...args, cobId: toRpdo(args.cobId) });
     pdo.write = (cobId) => writePdo(toRpdo(cobId));
   }
 }
-canopen.Device = DeviceOnBus; // for whoever requires the package behind this line
+canopen.Device = DeviceOnBus; // for modules that require the package from now on
 
-// The cases of the files, by the functions that they expect of their runner.
+// Collects the cases of the files through the functions that a test runner provides.
 
-const found = []; // [name, function]; three names are there twice
+const found = []; // [name, function]; three names occur twice
 const groups = [];
 globalThis.describe = (title, define) => {
   groups.push(title);

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-// Reads a gateway with the client and the decoder that Foxglove publishes, offering only the old
-// sub-protocol, and writes what it decoded.
+// Reads a gateway with the client and the decoder published by Foxglove, offering only the old
+// sub-protocol, and prints the decoded values.
 //
 //   node judge.mjs PORT TOPIC LAST_TICK
 //
-// Standard output: the line "ready" when the first message has come; then, after LAST_TICK was
-// seen, one JSON object: {"tick": {member: value}}. Also calls /read and reads a parameter, and
-// writes these answers as "read" and "parameter". Exit code 0: all of that came.
+// Standard output: the line "ready" once the first message has arrived; then, after LAST_TICK has
+// been seen, one JSON object: {"tick": {member: value}}. Also calls /read and reads a parameter,
+// and prints these answers as "read" and "parameter". Exit code 0: everything was received.
 import rosmsg from "@foxglove/rosmsg";
 import serialization from "@foxglove/rosmsg2-serialization";
 import protocol from "@foxglove/ws-protocol";

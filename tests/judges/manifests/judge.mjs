@@ -1,16 +1,17 @@
 // SPDX-License-Identifier: Apache-2.0
-// Compares the documents of YAML files with the schemas of Kubernetes and of the Prometheus operator:
+// Compares the documents of YAML files with the schemas of Kubernetes and of the Prometheus
+// operator:
 //
 //   node judge.mjs FILE...
 //
-// Values are checked as the schemas say. They permit keys that they do not know, such as misspelt
-// ones: these are refused by TypeScript, which has types of the same schemas. Prints a line for each
-// mistake, otherwise the number of documents.
+// Values are checked against the schemas. The schemas permit unknown keys, such as misspelt ones;
+// these are refused by TypeScript, with types generated from the same schemas. Prints a line for
+// each mistake, or the number of documents if there is none.
 import {execFileSync} from "node:child_process";
 import {readFileSync, writeFileSync} from "node:fs";
 import {parseAllDocuments} from "yaml";
 
-/// Where the packages have a kind. The core has no group.
+/// The module of the packages that contains a kind. The core API has no group.
 function moduleOf({apiVersion, kind}) {
   const [version, group] = apiVersion.split("/").reverse();
   const home = group === "monitoring.coreos.com" ? "@kubernetes-models/prometheus-operator" : "kubernetes-models";
@@ -18,7 +19,7 @@ function moduleOf({apiVersion, kind}) {
 }
 
 const mistakes = [];
-const places = []; // of the lines of the program
+const places = []; // of the lines in the program
 let program = "";
 for (const file of process.argv.slice(2)) {
   for (const parsed of parseAllDocuments(readFileSync(file, "utf8"))) {

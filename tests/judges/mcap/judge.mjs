@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
-// Reads an MCAP recording with the readers that its authors publish, and with Foxglove's decoder.
+// Reads an MCAP recording with the readers published by its authors, and with Foxglove's decoder.
 //
 //   node judge.mjs FILE CUTS SEED
 //
 // Standard output: one JSON object: {"rows": [{member: value}], "topics": {topic: messages}, ...}.
-// First the whole file as a stream, with the sums of its chunks, its data and its summary; then by
-// its indexes, which have to lead to the same messages; then cut off at CUTS places, which SEED
-// gives: what the reader finds has to be the beginning of what the whole file has. Exit code 0: all
-// of that holds.
+// Reads the complete file as a stream, with the checksums of its chunks, data and summary; then
+// through its indexes, which must lead to the same messages; then truncated at CUTS places
+// determined by SEED, where the messages found must be the first ones of the complete file. Exit
+// code 0: all of that holds.
 import rosmsg from "@foxglove/rosmsg";
 import serialization from "@foxglove/rosmsg2-serialization";
 import { McapIndexedReader, McapStreamReader } from "@mcap/core";
@@ -27,7 +27,7 @@ function check(holds, text) {
   process.exit(1);
 }
 
-/** CRC-32, bit by bit: without any library. */
+/** CRC-32 without any library. */
 const table = Array.from({ length: 256 }, (_, byte) => {
   for (let bit = 0; bit < 8; ++bit) byte = byte & 1 ? (byte >>> 1) ^ 0xedb88320 : byte >>> 1;
   return byte >>> 0;
@@ -60,7 +60,7 @@ const [statistics] = of("Statistics");
 const [dataEnd] = of("DataEnd");
 const [footer] = of("Footer");
 
-// Sums: the reader has checked those of the chunks; those of data and summary here.
+// Checksums: the reader has checked those of the chunks; the data and the summary are checked here.
 check(of("Statistics").length === 1 && dataEnd && footer, "statistics, data end or footer");
 const dataEndAt = Number(footer.summaryStart) - 13;
 check(dataEnd.dataSectionCrc === crcOf(bytes.subarray(0, dataEndAt)), "the sum of the data");
@@ -90,7 +90,7 @@ for (const [id, channel] of channels) {
 }
 check(of("SummaryOffset").length === 5, "summary offsets");
 
-// By its indexes.
+// Through its indexes.
 const file = await open(path);
 const indexed = await McapIndexedReader.Initialize({
   readable: {
@@ -142,7 +142,7 @@ for (const message of messages) {
   (topic.endsWith("/parameters") ? parameters : rows).push(row);
 }
 
-// Cut off.
+// Truncated.
 let state = BigInt(seed);
 function random(below) {
   state = (state * 6364136223846793005n + 1442695040888963407n) & 0xffffffffffffffffn;

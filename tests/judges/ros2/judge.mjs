@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-// A node of ROS 2 by the stack that Foxglove publishes, which is neither Fast DDS nor Cyclone DDS.
+// A ROS 2 node on the stack published by Foxglove, which is neither Fast DDS nor Cyclone DDS.
 //
 //   node judge.mjs DOMAIN MESSAGES
 //
-// Waits for the topic /joint_states, reads the given number of its messages with every field, and checks
-// the announcement of the writer. Standard output: the line "first" with the first message, at the end one JSON
-// object {"topic", "dataType", "type", "userData", "messages": [...]}. Exit code 0: all of that came.
+// Waits for the topic /joint_states, reads the given number of its messages with every field, and
+// checks the announcement of the writer. Standard output: the line "first" at the first message,
+// and at the end one JSON object {"topic", "dataType", "type", "userData", "messages": [...]}. Exit
+// code 0: everything was received.
 import rosmsg from "@foxglove/rosmsg";
 import ros2 from "@foxglove/ros2";
 import nodejs from "@foxglove/ros2/nodejs.js";
@@ -46,8 +47,8 @@ node.on("discoveredPublication", (endpoint) => {
   result.userData = endpoint.userData;
 });
 await node.start();
-// RosNode.subscribe() requests TRANSIENT_LOCAL; joint states are volatile, as in every ROS: the same
-// stack one layer below.
+// RosNode.subscribe() requests TRANSIENT_LOCAL, but joint states are volatile, as in every ROS
+// system; so this uses the next lower layer of the same stack.
 const reader = new serialization.MessageReader(definition);
 const participant = new rtps.Participant({
   name: "judge",
