@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""A service under test, the resources of its processes, and the programs beside it."""
+"""A service under test, the resources of its processes, and the programs that use it."""
 
 import contextlib
 import json
@@ -18,8 +18,8 @@ import test_domain  # noqa: E402
 
 WIRE_WORD = "--wire-process"
 END_LIMIT = 2.0  # [s] from SIGTERM until no process of a bench is left
-PATIENCE = 20.0  # [s] for an event that has to happen
-# A bench goes before the programs beside it, as its unit has it; where that is not permitted,
+PATIENCE = 20.0  # [s] for an event that must happen
+# A bench has priority over the programs that use it, as in its unit; where that is not permitted,
 # `nice` reports it and continues.
 BENCH_NICENESS = -10
 VISITOR_NICENESS = 5
@@ -27,7 +27,7 @@ TICKS_PER_SECOND = 1000
 
 
 class Failure(Exception):
-    """The reason why a run failed, in a sentence."""
+    """The reason why a run failed, as a sentence."""
 
 
 def is_nightly():
@@ -40,14 +40,14 @@ def now():
 
 @contextlib.contextmanager
 def claimed_domain():
-    """A DDS domain that no other test of this machine uses."""
+    """A DDS domain that no other test on this machine uses."""
     domain, claim = test_domain.claim_domain()
     with claim:
         yield domain
 
 
 def percentile(values, part):
-    """The value that `part` (0 to 1) of the values do not exceed."""
+    """The value that a fraction `part` (0 to 1) of the values does not exceed."""
     ordered = sorted(values)
     return ordered[min(len(ordered) - 1, int(part * len(ordered)))] if ordered else 0.0
 
@@ -91,7 +91,7 @@ def descendants(pid):
 
 
 def is_running(pid):
-    """A zombie has ended: only its exit code is left."""
+    """A zombie has ended: only its exit code remains."""
     try:
         text = pathlib.Path(f"/proc/{pid}/stat").read_text(encoding="utf-8")
     except OSError:
@@ -100,7 +100,7 @@ def is_running(pid):
 
 
 def usage_of(pid):
-    """(resident memory [KiB], descriptors, threads) of one process; zeros where it has ended."""
+    """(resident memory [KiB], descriptors, threads) of a process; zeros if it has ended."""
     try:
         text = pathlib.Path(f"/proc/{pid}/status").read_text(encoding="utf-8")
         descriptors = len(os.listdir(f"/proc/{pid}/fd"))
@@ -108,7 +108,8 @@ def usage_of(pid):
         return (0, 0, 0)
     fields = {name: int(value) for name, value in
               re.findall(r"^(VmRSS|RssShmem|Threads):\s+(\d+)", text, re.MULTILINE)}
-    # Without the rings between engine and wire: a pause touches more of them, up to their size.
+    # Without the ring buffers between engine and wire: a pause touches more of them, up to their
+    # size.
     return (fields.get("VmRSS", 0) - fields.get("RssShmem", 0), descriptors, fields.get("Threads", 0))
 
 
@@ -134,7 +135,7 @@ def how_it_ended(process):
 
 
 class Bench:
-    """A vdrived with its descendants."""
+    """A vdrived and its descendants."""
 
     def __init__(self, program, directory, domain, *words, number=1):
         self.number = number
@@ -161,7 +162,7 @@ class Bench:
         return self.process.pid
 
     def metrics(self):
-        """All metrics without their histograms: name -> value; vdrive_info -> its labels."""
+        """All metrics without histograms: name -> value; vdrive_info -> its labels."""
         if self.url is None:
             self.find_metrics()
         with urllib.request.urlopen(self.url, timeout=5) as answer:
@@ -173,9 +174,10 @@ class Bench:
         return found
 
     def account(self):
-        """The engine's own count of its ticks. The number of a tick less the ticks that were run is
-        constant while none is left out. The two are not read in one instant, and the number first:
-        the largest of some differences is the true one."""
+        """The engine's own count of its ticks. The difference between the tick number and the
+        number of ticks run is constant as long as no tick is skipped. The two values are not
+        read at the same instant, and the number is read first, so the largest of several
+        differences is the true one."""
         readings = [self.metrics() for _ in range(5)]
         last = dict(readings[-1])
         last["numbered_not_run"] = max(int(r["vdrive_tick"]) - int(r["vdrive_ticks_total"])
@@ -186,7 +188,7 @@ class Bench:
         return [pid for pid in descendants(self.pid) if WIRE_WORD in command_line(pid)]
 
     def usage(self):
-        """Sums over the service and its descendants, and notes their shared memory."""
+        """Sums over the service and its descendants; also records their shared memory."""
         processes = [self.pid, *descendants(self.pid)]
         for pid in processes:
             self.shared_memory |= shared_memory_of(pid)
@@ -203,7 +205,7 @@ class Bench:
         return " | ".join(report[-1:] or lines[-2:])
 
     def stop(self):
-        """Ends it with SIGTERM. @return seconds until no process of it was left."""
+        """Ends it with SIGTERM. @return seconds until none of its processes was left."""
         self.check_alive()
         everybody = [self.pid, *descendants(self.pid)]
         self.usage()
@@ -227,7 +229,7 @@ class Bench:
         return duration
 
     def kill(self):
-        """Ends its remaining processes, for cleaning up."""
+        """Kills its remaining processes, as a cleanup."""
         for pid in descendants(self.pid):
             with contextlib.suppress(ProcessLookupError):
                 os.kill(pid, signal.SIGKILL)
@@ -237,7 +239,7 @@ class Bench:
 
 
 class Program:
-    """A role of churn_client; its lines are kept."""
+    """A role of churn_client; its output lines are kept."""
 
     def __init__(self, client, domain, role, *words, security=None, bench=1, niceness=0):
         options = ["--domain", str(domain), "--bench", str(bench)]
@@ -258,7 +260,7 @@ class Program:
 
     def read_lines(self):
         for line in self.process.stdout:
-            with contextlib.suppress(json.JSONDecodeError):  # a killed program's last line
+            with contextlib.suppress(json.JSONDecodeError):  # the last line of a killed program
                 report = json.loads(line)
                 self.lines.append(report)
                 for key in report:
@@ -268,7 +270,7 @@ class Program:
         self.errors = self.process.stderr.read()
 
     def check_alive(self):
-        """For a program that runs until it is asked to end."""
+        """Checks a program that should run until it is asked to end."""
         if self.process.poll() is not None:
             for reader in self.readers:
                 reader.join()
@@ -280,7 +282,8 @@ class Program:
         return list(self.by_key.get(key, ()))
 
     def end(self, patience=PATIENCE):
-        """Closes its input, and waits. @return its exit code, or minus the signal."""
+        """Closes its standard input and waits. @return its exit code, or the negative signal
+        number."""
         with contextlib.suppress(OSError):
             self.process.stdin.close()
         try:
@@ -300,7 +303,7 @@ class Program:
 
 
 def run_role(client, domain, role, *words, **options):
-    """Runs a role that ends by itself. @return its lines."""
+    """Runs a role that ends on its own. @return its lines."""
     program = Program(client, domain, role, *words, **options)
     code = program.end(60)
     if code != 0:
@@ -311,7 +314,7 @@ def run_role(client, domain, role, *words, **options):
 
 
 class Usage:
-    """Memory, descriptors and threads of a bench, sampled once a second by whoever calls it."""
+    """Memory, descriptors and threads of a bench; the caller takes a sample once a second."""
 
     NAMES = ("memory [MiB]", "descriptors", "threads")
 
@@ -325,9 +328,9 @@ class Usage:
         self.samples.append((now() - self.begin, memory / 1024, descriptors, threads))
 
     def report(self, warm_up, bounds):
-        """Prints min, max and slope after the warm-up.
-        @return what grew beyond its bound between the first and the last quarter; the medians of
-        the quarters are compared, so that one sample in a restart of a wire has no weight."""
+        """Prints min, max and slope after the warm-up. @return the values that grew beyond their
+        bound between the first and the last quarter. The medians of the quarters are compared,
+        so that a single sample during a restart of a wire has no weight."""
         steady = [sample for sample in self.samples if sample[0] >= warm_up]
         wrong = []
         if len(steady) < 8:
@@ -347,7 +350,7 @@ class Usage:
 
 
 def slope_of(times, values):
-    """Of the straight line with the least squares."""
+    """The slope of a least-squares line."""
     middle_time = sum(times) / len(times)
     middle_value = sum(values) / len(values)
     spread = sum((t - middle_time) ** 2 for t in times)

@@ -1,27 +1,26 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""A bench with moving axes beside which clients come and go.
+"""A bench with moving axes, while clients come and go.
 
   churn.py --service VDRIVED --client CHURN_CLIENT [--seconds N] [--axes N] [--clients N] ...
 
-Most axes move at 4 UU a tick from the beginning to the end, without an owner. An observer follows
-every tick of all axes. The others are visited: a visitor is a process that joins, acquires an axis,
-commands it for about 200 ms, and leaves; some are killed (kill -9) and some hang (SIGSTOP) and are
-killed then.
+Most axes move at 4 UU per tick from beginning to end, without an owner. An observer follows every
+tick of all axes. The other axes are visited: a visitor is a process that joins, acquires an axis,
+commands it for about 200 ms, and leaves. Some visitors are killed (kill -9), and some hang
+(SIGSTOP) and are killed afterwards.
 
-It passes when all of this holds:
+It passes if all of this holds:
 - the service is the same process and the same incarnation from the beginning to the end;
-- no tick is missing: the tick number and the number of ticks that were run grew equally, no jump
-  (--allow-jumps), and every sample that the observer received shows each moving axis where that
-  tick has to have it;
+- no tick is missing: the tick number and the number of ticks run grew equally, without a jump
+  (--allow-jumps), and every sample that the observer received shows each moving axis at its
+  expected position in that tick;
 - the observer was never without a sample for longer than --longest-silence;
 - every visitor that was not killed got an answer to each command, and each command acted once:
   n relative moves moved the axis by n steps, and the stamp is the last one written. After a killed
-  visitor the next one finds as many moves and the stamp that were acknowledged, or those and the one
-  that was under way;
+  visitor, the next one finds the acknowledged moves and stamp, or those plus the one in progress;
 - the watchdog took no axis from a visitor that was not killed;
-- memory, descriptors and threads of the service and its descendants grew by no more than the bounds
-  after the warm-up;
+- after the warm-up, memory, descriptors and threads of the service and its descendants grew within
+  the bounds;
 - 2 s after SIGTERM no process of the service is left, nor a file in /dev/shm.
 
 Exit code 0: passed, 1: failed, with the reason.
@@ -49,12 +48,12 @@ KEPT_FAILURES = 20
 
 @dataclasses.dataclass
 class Ledger:
-    """The state of an axis that its next visitor has to find."""
+    """The state in which the next visitor must find an axis."""
 
-    base: int | None = None  # [UU] where the last visitor began; none = unknown
-    done: int = 0  # moves that were acknowledged
-    begun: int = 0  # moves that were sent: as many, or one more
-    stamps: set = dataclasses.field(default_factory=set)  # those that may be found; none = any
+    base: int | None = None  # [UU] where the last visitor began; None = unknown
+    done: int = 0  # acknowledged moves
+    begun: int = 0  # moves sent: as many, or one more
+    stamps: set = dataclasses.field(default_factory=set)  # the possible values; empty = any
     next_stamp: int = 1000
     free_at: float = 0.0
 
@@ -73,7 +72,7 @@ class Counts:
 
 
 class Visitors:
-    """Slots in which one visitor after the other comes."""
+    """Slots, in each of which one visitor follows another."""
 
     def __init__(self, options, domain, axes, is_bench_alive):
         self.options = options
@@ -99,7 +98,7 @@ class Visitors:
             thread.join()
 
     def fail(self, text):
-        """After the end of the bench no visitor can be served: that is reported once, elsewhere."""
+        """After the end of the bench no visitor can be served, which is reported once elsewhere."""
         with self.lock:
             if self.is_bench_alive():
                 self.failures.append(f"{text} ({now() - self.begin:.0f} s after the first visit)")
@@ -154,7 +153,7 @@ class Visitors:
             self.counts.hung += was_killed and is_hung
 
     def end_early(self, program, chance, is_hung):
-        """At any moment of its life: while it joins, commands or leaves."""
+        """Kills it at any moment: while it joins, commands or leaves."""
         with contextlib.suppress(Exception):
             program.process.wait(chance.uniform(0.0, 1.0 + self.options.visit / 1000))
         if is_hung and program.process.poll() is None:
@@ -310,7 +309,7 @@ class Churn:
             self.problems.append(f"only {ticks} ticks in {self.options.seconds} s")
 
     def forgives(self, jumps):
-        """A machine that stands still makes masters silent too."""
+        """On a machine that stalls, masters are silent, too."""
         return jumps and self.options.allow_jumps
 
     def judge_observer(self):
@@ -368,7 +367,7 @@ def arguments():
         options.seconds = 3600
     elif options.brief:
         options.seconds, options.axes, options.clients, options.warm_up = 20, 256, 6, 10
-        options.allow_jumps = True  # changes are checked on machines that stand still
+        options.allow_jumps = True  # changes are checked on machines that stall
     if options.visited is None:
         options.visited = max(options.axes // 8, 3 * options.clients)
     return options
@@ -376,7 +375,7 @@ def arguments():
 
 def main():
     options = arguments()
-    # The end of this program ends the programs that it started.
+    # Ending this program ends the programs that it started.
     signal.signal(signal.SIGTERM, lambda *_: sys.exit("ended by SIGTERM"))
     problems = []
     begin = now()

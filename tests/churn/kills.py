@@ -1,32 +1,34 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""A bench whose wire process is killed again and again while programs use it.
+"""A bench whose wire process is killed repeatedly while programs use it.
 
   kills.py --service VDRIVED --client CHURN_CLIENT [--kills N] [--variant NAME]... ...
 
 The wire process is the descendant of vdrived whose command line contains --wire-process. It is
-killed at random moments: kill -9, SIGABRT, or SIGSTOP, which is a hang that the service has to end
-by itself. The kills are shared out among the variants:
+killed at random moments: kill -9, SIGABRT, or SIGSTOP, a hang that the service must detect and end.
+The kills are divided among the variants:
 
-  motion     48 of 64 axes move at 4 UU a tick, 8 are commanded axis by axis
-  streaming  a group of 4 axes takes a position each tick
-  group      moves of 4 axes over two benches; either wire is killed
+  motion     48 of 64 axes move at 4 UU per tick, 8 are commanded axis by axis
+  streaming  a group of 4 axes receives a position in each tick
+  group      moves of 4 axes on two benches; either wire is killed
   stores     parameters are stored, --state
   lockstep   one-tick steps, --clock lockstep --wire process
-  closed     as motion, --security
+  closed     like motion, --security
 
-It passes when all of this holds in each variant:
+It passes if all of this holds in each variant:
 - the service is the same process and the same incarnation from the beginning to the end, without a
   jump, and with no tick numbered and not run;
-- every sample that an observer receives shows the moving axes where that tick has to have them, as
-  without kills;
-- the programs and the observers run through, without being started anew, and every call succeeds;
-  positions of a stream may come late (they are printed), but its axes end on the last position; a move
-  over two benches may be refused by the one whose wire was killed, once a kill, and is repeated;
-- each acknowledged command acted once: n moves moved an axis by n ways, n steps are n ticks, the
-  stamp is the last one, what was stored is there in the next run of the service;
+- every sample that an observer receives shows the moving axes at their expected positions in that
+  tick, as without kills;
+- the programs and the observers run to the end without a restart, and every call succeeds;
+  positions of a stream may be late (they are printed), but its axes end at the last position; a
+  move on two benches may be refused by the one whose wire was killed, once per kill, and is
+  repeated;
+- each acknowledged command acted once: n moves moved an axis by n distances, n steps are n ticks,
+  the stamp is the last one, and stored values are present in the next run of the service;
 - the time from a kill to the next sample of the observer (in lock-step: to the answer of the step
-  under way) stays within the limits; the median is judged from ten kills on, of a variant and of all;
+  in progress) stays within the limits; the median, of each variant and of all, is judged from ten
+  kills on;
 - there are no more overruns than in a run of the same length without kills, twice, and some for
   each kill;
 - 2 s after SIGTERM no process of the service is left, nor a file in /dev/shm.
@@ -52,9 +54,9 @@ SKIPPED = 77
 STEADY = 48
 COMMANDED = 8
 GROUP_AXES = 4
-SHORTEST = 0.005  # [s] a pause of the stream that the observer prints
-NEAR = 0.25  # [s] after a kill samples that were on their way may still arrive
-ENOUGH = 10  # kills from which on their median is judged
+SHORTEST = 0.005  # [s] of a pause in the stream that the observer prints
+NEAR = 0.25  # [s] after a kill, within which samples in transit may still arrive
+ENOUGH = 10  # kills required to judge their median
 HANG_LIMIT = 5.0  # [s] within which a hung wire is noticed
 VARIANTS = ("motion", "streaming", "group", "stores", "lockstep", "closed")
 HOW = {"kill": signal.SIGKILL, "abort": signal.SIGABRT, "hang": signal.SIGSTOP}
@@ -68,7 +70,8 @@ def has_wire_option(service):
 
 
 def make_material(directory):
-    """Closed mode's material. @return directories of the service and of a controller."""
+    """Makes the files of closed mode. @return the directories of the service and of a controller.
+    """
     scripts = pathlib.Path(__file__).parents[2] / "deploy" / "security"
     authority = pathlib.Path(directory) / "authority"
 
@@ -82,7 +85,7 @@ def make_material(directory):
 
 
 class Variant:
-    """Benches, observers and a program; the kills of their wires."""
+    """Benches, observers and a program, and the kills of their wires."""
 
     def __init__(self, options, directory, domain, name):
         self.options = options
@@ -184,19 +187,20 @@ class Variant:
             raise Failure(f"{how} of a wire process: {failure}") from failure
 
     def pause_after(self, bench, moment, back, limit):
-        """@return seconds from the moment to the end of the longest pause that a kill made."""
+        """@return seconds from `moment` to the end of the longest pause caused by the kill."""
         watcher = self.watchers[bench.number]
         benches.wait_for("the next sample", lambda: [
             line for line in watcher.found("seen")[-1:] if line["time"] > max(back, moment + NEAR)
         ], max(1.0, moment + limit - back))
-        # The pause is printed before the sample that ends it is counted. Without one, samples went on.
+        # The pause is printed before the sample that ends it is counted. Without a pause, samples
+        # continued.
         pauses = [line["pause"] for line in watcher.found("pause")
                   if line["pause"][1] > moment and line["pause"][0] < moment + NEAR]
         longest = max(pauses, key=lambda pause: pause[1] - pause[0], default=None)
         return longest[1] - moment if longest else SHORTEST
 
     def run(self, kills, seconds, chance):
-        """Kills this number of wires; without kills it waits `seconds`. @return the length [s]."""
+        """Kills this number of wires; for none, waits `seconds`. @return the duration [s]."""
         self.begin()
         before = [bench.account() for bench in self.benches]
         begin = now()
@@ -279,7 +283,7 @@ class Variant:
                         line["interruptions"])
 
     def judge_late(self, what, count):
-        """A machine that stands still makes set-points late too."""
+        """On a machine that stalls, set-points are late, too."""
         if count > sum(map(len, self.pauses.values())) and not self.options.allow_jumps:
             self.problems.append(f"{what}, more than kills")
 
@@ -359,8 +363,8 @@ def report_pauses(pauses, options):
         if values:
             print(f"  {name}: {len(values)}, to the next sample p50 {percentile(values, 0.5):.3f} s, "
                   f"p99 {percentile(values, 0.99):.3f} s, max {max(values):.3f} s")
-    # In the closed mode the library repeats some messages of the authentication after a second, so
-    # two slow kills in a row prove nothing.
+    # In closed mode the library repeats some authentication messages after a second, so two slow
+    # kills in a row prove nothing.
     if len(quick) >= ENOUGH and percentile(quick, 0.5) > options.usual:
         problems.append(f"half of the kills took more than {options.usual:g} s")
     return problems
@@ -435,7 +439,7 @@ def arguments():
         is_nightly = benches.is_nightly()
         options.kills = 1000 if is_nightly else 20
         options.no_reference = not is_nightly
-        options.allow_jumps |= not is_nightly  # changes are checked on machines that stand still
+        options.allow_jumps |= not is_nightly  # changes are checked on machines that stall
         options.interval = options.interval if is_nightly else (0.1, 0.5)
     options.variant = options.variant or list(VARIANTS)
     options.reference = [] if options.no_reference else options.reference or list(VARIANTS)
@@ -444,7 +448,7 @@ def arguments():
 
 def main():
     options = arguments()
-    # The end of this program ends the programs that it started.
+    # Ending this program ends the programs that it started.
     signal.signal(signal.SIGTERM, lambda *_: sys.exit("ended by SIGTERM"))
     if not has_wire_option(options.service):
         print("SKIP this vdrived has no --wire: there is no wire process to kill")

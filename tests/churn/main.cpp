@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// The programs that tests/churn runs beside a bench. One JSON object a line on standard output;
-// `time` is seconds of the monotonic clock. A role that does not end by itself ends when its
-// standard input is closed.
+// The programs that tests/churn runs with a bench. They print one JSON object per line on standard
+// output; `time` is in seconds of the monotonic clock. A role that does not end on its own ends
+// when its standard input is closed.
 #include "churn/roles.hpp"
 
 #include <CLI/CLI.hpp>
@@ -86,7 +86,7 @@ void add_roles(CLI::App& program, Arguments& to) {
 int run(int count, char** words) {
   CLI::App program("Roles of tests/churn");
   Arguments arguments;
-  // A loaded machine takes its time, and a wire that hangs is noticed within 5 s. How long it took
+  // Generous, since a loaded machine is slow, and a hung wire is noticed within 5 s. The actual time
   // is measured.
   arguments.setting.network.find_timeout = std::chrono::seconds(20);
   arguments.setting.network.silence = std::chrono::seconds(10);

@@ -10,14 +10,14 @@ namespace {
 
 using namespace std::chrono_literals;
 
-/// Compares the axes that move all the time with their expected position in each tick:
-/// 6062h(t) = 6062h(t0) + 4 UU (t - t0), within 1 UU of rounding. An axis that was stopped, or a
-/// tick that was numbered and not run (4 UU), breaks it.
+/// Compares axes in steady motion with their expected position in each tick: 6062h(t) = 6062h(t0) +
+/// 4 UU (t - t0), within 1 UU of rounding. A stopped axis violates that, as does a tick that was
+/// numbered but not run (4 UU).
 class SteadyMotion {
  public:
   explicit SteadyMotion(AxisRange range) : range_(range) {}
 
-  /// @return whether the axes are at speed; judged from then on.
+  /// @return whether the axes are at speed, from which time on they are judged.
   bool begin(const client::Observation& seen) {
     const bool moves = std::all_of(seen.axes.begin(), seen.axes.end(), [this](const auto& axis) {
       return !range_.contains(axis.id.axis) || axis.status.velocity_demand_value == kSteadySpeed;
@@ -26,7 +26,7 @@ class SteadyMotion {
     return moves;
   }
 
-  /// @return the deviation in this tick, or nothing.
+  /// @return the deviation in this tick; std::nullopt if there is none.
   std::optional<std::string> judge(const client::Observation& seen) {
     std::size_t wrong = 0;
     std::string first;
@@ -64,8 +64,8 @@ struct Account {
   std::uint64_t last = 0;
   std::uint64_t seen = 0;
   std::uint64_t missed = 0;      ///< numbered, but not received here
-  std::uint64_t backwards = 0;   ///< ticks that came twice or out of order
-  std::uint64_t deviations = 0;  ///< ticks in which a steady axis was not where it belongs
+  std::uint64_t backwards = 0;   ///< ticks received twice or out of order
+  std::uint64_t deviations = 0;  ///< ticks in which a steady axis was off its path
 
   void take(const client::Observation& seen_now) {
     if (first == 0) {
@@ -91,7 +91,7 @@ struct Account {
   }
 };
 
-/// Judges each sample from the first one on that shows the moving axes at speed.
+/// Judges each sample, from the first one that shows the moving axes at speed.
 class Observer {
  public:
   explicit Observer(AxisRange steady) : motion_(steady) {}

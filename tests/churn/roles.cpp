@@ -18,7 +18,7 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-/// The shortest pause that is printed.
+/// The shortest pause to print.
 constexpr auto kPause = 5ms;
 constexpr auto kTellEach = 100ms;
 
@@ -76,7 +76,7 @@ client::MoveOptions quick(client::Until until) {
 client::Result<std::int32_t> prepare(client::Axis& axis) {
   if (auto done = axis.acquire(); !done) return done;
   if (auto done = axis.reset_fault(); !done) return done;
-  // Relative moves count from the target before: rounding and rest errors do not add up.
+  // Relative moves add to the previous target, so rounding and position errors do not accumulate.
   if (auto done = axis.write({kPositioningOption, 0}, 0); !done) return done.outcome();
   if (auto done = axis.enable(); !done) return done;
   const auto position = axis.read({kActualPosition, 0});

@@ -22,7 +22,7 @@ struct Setting {
   std::uint32_t bench = 1;
 };
 
-/// Axes of a bench by their numbers, both included; none when `last` is below `first`.
+/// A range of axis numbers, both ends included; empty if `last` is below `first`.
 struct AxisRange {
   std::uint16_t first = 1;
   std::uint16_t last = 0;
@@ -32,30 +32,31 @@ struct AxisRange {
   }
 };
 
-/// Speed of the axes that move all the time [UU/s]: 4 UU in each tick of 1 ms.
+/// Velocity of the axes in steady motion [UU/s]: 4 UU per tick of 1 ms.
 inline constexpr std::int32_t kSteadySpeed = 4000;
 
-/// One relative move of a visitor [UU]: far more than what an axis at rest may lie beside its
-/// target, so that a position gives the number of moves.
+/// A relative move of a visitor [UU]: far more than the deviation of an axis at rest from its
+/// target, so that a position yields the number of moves.
 inline constexpr std::int32_t kStep = 16;
 
-/// The object that carries the stamps: 6067h, position window [UU]. It changes no demand.
+/// The object that stores the stamps: 6067h, position window [UU]. It affects no demand.
 inline constexpr ObjectAddress kStampObject{0x6067, 0};
 
-/// Time at which the role wants to end: standard input was closed.
+/// @return whether the role should end because standard input was closed.
 [[nodiscard]] bool is_stop_requested();
 
-/// Prints a JSON object as one line on standard output, with `time`: seconds of the monotonic
+/// Prints a JSON object as one line on standard output, adding `time` in seconds of the monotonic
 /// clock.
 void print_line(Json line);
 
-/// Prints a call that did not succeed.
+/// Prints a failed call.
 void print_failure(const std::string& call, const client::Outcome& outcome);
 
 /// Prints the pauses of 5 ms and more between regular events.
 class Pauses {
  public:
-  /// An event has come. @return true ten times a second: time to print the progress.
+  /// Notes an event.
+  /// @return true ten times a second, when progress should be printed.
   bool note();
 
  private:
@@ -63,29 +64,30 @@ class Pauses {
   std::chrono::steady_clock::time_point told_{};
 };
 
-/// Fast and short: a step takes 18 ms.
+/// Options for a fast and short move: a step takes 18 ms.
 [[nodiscard]] client::MoveOptions quick(client::Until until);
 
-/// Acquires the axis, resets its fault, enables it and brings it to the nearest multiple of kStep.
+/// Acquires the axis, resets its fault, enables it and moves it to the nearest multiple of kStep.
 /// @return that position, the base of the relative moves that follow.
 client::Result<std::int32_t> prepare(client::Axis& axis);
 
-/// Waits until the demand rests. @return 6062h [UU]
+/// Waits until the demand is at rest.
+/// @return 6062h [UU]
 client::Result<std::int32_t> resting_demand(const client::Axis& axis);
 
-// The roles. Each @returns the exit code.
+// The roles. Each returns its exit code.
 
 /// Moves the axes of the range at kSteadySpeed for more than an hour, and releases them.
 int start(const Setting& setting, AxisRange range);
 
-/// Follows all axes of the bench, until it has to stop.
+/// Follows all axes of the bench until it is stopped.
 int observe(const Setting& setting, AxisRange steady);
 
-/// The plan of one visitor: it joins, commands one axis for a while, leaves.
+/// The plan of one visitor: join, command one axis for a while, leave.
 struct Visit {
   std::uint16_t axis = 1;
   std::chrono::milliseconds duration{200};
-  std::int64_t stamp = 0;  ///< the first stamp is one more
+  std::int64_t stamp = 0;  ///< the first stamp is one higher
 };
 
 int visit(const Setting& setting, const Visit& plan);
@@ -93,7 +95,7 @@ int visit(const Setting& setting, const Visit& plan);
 /// Reads one object of one axis.
 int read(const Setting& setting, std::uint16_t axis, std::uint16_t index);
 
-// What runs while wires are killed, until it has to stop.
+// Roles that run while wires are killed, until they are stopped.
 
 int motion(const Setting& setting, AxisRange range);
 int stream(const Setting& setting, AxisRange range, std::chrono::milliseconds lead);

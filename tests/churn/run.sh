@@ -4,13 +4,14 @@
 #
 #   tests/churn/run.sh [--nightly] [--seconds N] [--kills N] [--service FILE] [arguments of churn.py...]
 #
-#   --seconds N     how long clients come and go beside 1,024 axes, default 180 (3 minutes)
+#   --seconds N     how long clients come and go next to 1,024 axes, default 180 (3 minutes)
 #   --kills N       how many wire processes are killed, default 60; 0 = none
-#   --nightly       an hour and 1,000 kills, also by VDRIVE_NIGHTLY=1
+#   --nightly       an hour and 1,000 kills, also set by VDRIVE_NIGHTLY=1
 #   --service FILE  another vdrived with the same IDL
 #
-# The rest goes to churn.py: --axes, --clients, --allow-jumps and the bounds; see its --help.
-# Exit code 0: both passed, 1: one failed. A vdrived without a wire process has nothing to kill.
+# Other arguments are passed to churn.py: --axes, --clients, --allow-jumps and the bounds; see its
+# --help. Exit code 0: both passed, 1: one failed. A vdrived without a wire process has nothing to
+# kill.
 set -euo pipefail
 
 root=$(cd "$(dirname "${BASH_SOURCE[0]}")/../.." && pwd)

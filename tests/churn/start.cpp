@@ -14,15 +14,15 @@ using test::Probe;
 
 constexpr std::uint32_t kRamp = 40'000;  // [UU/s²]
 constexpr std::int32_t kFar = 2'000'000'000;
-constexpr std::size_t kBlock = 256;  // axes of a frame and of a request
+constexpr std::size_t kBlock = 256;  // axes per frame and per request
 
 std::uint32_t members_of_set_point() {
   return msg::HAS_DS402_CONTROLWORD | msg::HAS_OP_MODE_CMD | msg::HAS_POSITION_USER_TARGET_VALUE |
          msg::HAS_PROFILE_VELOCITY | msg::HAS_PROFILE_ACC | msg::HAS_PROFILE_DEC;
 }
 
-/// Sends the word, with the far set-point or alone, to all axes of the block.
-/// @return whether every axis took it.
+/// Sends the controlword to all axes of the block, with or without the far set-point.
+/// @return whether every axis accepted it.
 bool send(Probe& probe, const std::vector<std::uint16_t>& axes, std::uint16_t word, bool moves) {
   auto frame = probe.make_frame();
   for (const std::uint16_t axis : axes) {
@@ -78,7 +78,7 @@ int start(const Setting& setting, AxisRange range) {
     }
     block.clear();
   }
-  // Released axes keep their state: they continue to move.
+  // Released axes keep their state, so they continue to move.
   const auto released = probe.exchange(probe.make_request(msg::RequestKind::release));
   print_line({{"started", range.last - range.first + 1}});
   return released ? 0 : 1;

@@ -8,7 +8,7 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-/// Prints what the previous visitor left: position [UU] and stamp.
+/// Prints the state left by the previous visitor: position [UU] and stamp.
 bool print_found(const client::Axis& axis) {
   const std::array objects{ObjectAddress{0x6064, 0}, kStampObject};
   const auto found = axis.read(objects);
@@ -20,8 +20,8 @@ bool print_found(const client::Axis& axis) {
   return true;
 }
 
-/// Prints a line before and after each command, so that the killer of this program knows which was
-/// under way.
+/// Prints a line before and after each command, so that the killer of this program knows which one
+/// was in progress.
 bool command(client::Axis& axis, std::int64_t stamp) {
   print_line({{"start", "move"}});
   if (const auto moved = axis.move_by(kStep, quick(client::Until::in_force)); !moved) {
@@ -77,8 +77,8 @@ int visit(const Setting& setting, const Visit& plan) {
   }
   print_line({{"joined", plan.axis}});
   if (!stay(*axis, plan)) return 1;
-  // The library waits for this answer a short time only: without it the axis may be held until the
-  // watchdog has noticed.
+  // The library waits for this answer only briefly. Without it, the axis may stay owned until the
+  // watchdog notices.
   const auto released = session.release();
   print_line({{released ? "left" : "unreleased", plan.axis}});
   return 0;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Programs that continue while wires are killed. None of them restarts: a call that fails is
+// Programs that keep running while wires are killed. None of them restarts: a failed call is
 // printed, and the next one is made.
 #include "churn/roles.hpp"
 #include "vdrive/client/axis_group.hpp"
@@ -14,14 +14,14 @@ namespace {
 
 using namespace std::chrono_literals;
 
-/// A long move [UU]: 0.3 s, so that most kills come while a call waits.
+/// A long move [UU]: 0.3 s, so that most kills happen while a call waits.
 constexpr std::int32_t kLongMove = 4096;
 
 std::string name_of(const Setting& setting, std::uint16_t axis) {
   return std::to_string(setting.bench) + "." + std::to_string(axis);
 }
 
-/// Commands of which each has to act once if it was acknowledged, and at most once if not.
+/// Counts commands that must act exactly once if acknowledged, and at most once otherwise.
 struct Count {
   std::uint64_t acknowledged = 0;
   std::uint64_t uncertain = 0;
@@ -34,7 +34,7 @@ struct Count {
   }
 };
 
-/// Repeats a call until it succeeds or the role has to stop; each failure is printed.
+/// Repeats a call until it succeeds or the role is stopped; each failure is printed.
 template <typename Call>
 auto insist(const char* name, Call call) {
   auto result = call();
@@ -47,7 +47,7 @@ auto insist(const char* name, Call call) {
 
 // ---- motion
 
-/// An axis that is ready for relative moves from `base` [UU].
+/// An axis ready for relative moves from `base` [UU].
 struct Prepared {
   client::Axis axis;
   std::int32_t base = 0;
@@ -65,7 +65,7 @@ std::optional<Prepared> find_and_prepare(client::Session& session, const std::st
   return Prepared{*axis, *base};
 }
 
-/// Moves one axis by equal distances and stamps it. Long moves are waited for to their end.
+/// Moves one axis by equal distances and stamps it, waiting for the end of long moves.
 void move_axis(Prepared prepared, bool is_long) {
   client::Axis* const axis = &prepared.axis;
   const std::int32_t distance = is_long ? kLongMove : kStep;
@@ -75,7 +75,7 @@ void move_axis(Prepared prepared, bool is_long) {
   const auto until = is_long ? client::Until::done : client::Until::in_force;
   while (!is_stop_requested()) {
     if (!moves.take("move_by", axis->move_by(distance, quick(until)))) {
-      // A lost axis is taken again; where it is then is judged at the end.
+      // A lost axis is acquired again; its position is judged at the end.
       static_cast<void>(axis->reset_fault());
       static_cast<void>(axis->enable());
     }
@@ -104,13 +104,13 @@ constexpr std::uint64_t kMostInterruptions = 100'000;
 constexpr std::uint64_t kPeriod = 2'000;  // [ticks]
 
 Eigen::VectorXd wave(const Eigen::VectorXd& base, std::uint64_t phase) {
-  // Begins and ends at rest: 1 - cos.
+  // 1 - cos begins and ends at rest.
   const double angle = 2.0 * std::numbers::pi * static_cast<double>(phase % kPeriod) / kPeriod;
   return base.array() + kAmplitude * (1.0 - std::cos(angle));
 }
 
-/// Streams until a position is refused or the role has to stop.
-/// @return positions taken; the last one is in `last`.
+/// Streams until a position is refused or the role is stopped.
+/// @return the number of accepted positions; the last one is in `last`.
 std::uint64_t stream_once(client::AxisGroup& group, const client::StreamOptions& options,
                           std::optional<Eigen::VectorXd>& last) {
   if (const auto started = group.start_streaming(options); !started) {
@@ -124,7 +124,7 @@ std::uint64_t stream_once(client::AxisGroup& group, const client::StreamOptions&
   }
   const Eigen::VectorXd base = status->demand();
   std::uint64_t phase = 0;
-  // Ends at rest: a whole number of waves.
+  // Ends at rest, after an integer number of waves.
   do {
     Eigen::VectorXd positions = wave(base, phase);
     const auto seen = group.stream(positions);
@@ -139,8 +139,8 @@ std::uint64_t stream_once(client::AxisGroup& group, const client::StreamOptions&
   return phase;
 }
 
-/// @return the difference between 6062h and the last streamed position, the largest of all axes
-///         [UU], once the demands rest.
+/// @return the largest difference between 6062h and the last streamed position of any axis [UU],
+///         once the demands are at rest.
 client::Result<double> distance_to(client::Session& session, const client::AxisGroup& group,
                                    const Eigen::VectorXd& target) {
   double largest = 0.0;
@@ -148,7 +148,7 @@ client::Result<double> distance_to(client::Session& session, const client::AxisG
   for (const client::AxisId& id : group.axes()) {
     const auto axis = session.axis(to_string(id));
     if (!axis) return axis.outcome();
-    // The last positions wait for their ticks, which are up to the lead ahead.
+    // The last positions wait for their ticks, up to the lead ahead.
     const auto wanted = static_cast<std::int32_t>(std::lround(target[place++]));
     const auto seen = axis->wait_until(
         [wanted](const client::AxisSnapshot& now) {
@@ -169,7 +169,7 @@ client::Result<double> distance_to(client::Session& session, const client::AxisG
 int motion(const Setting& setting, AxisRange range) {
   client::Session session(setting.network);
   {
-    // One after the other: each acquisition renews the session's epoch.
+    // One after the other, because each acquisition renews the session's epoch.
     std::vector<Prepared> axes;
     for (std::uint32_t axis = range.first; axis <= range.last; ++axis) {
       auto prepared = find_and_prepare(session, name_of(setting, static_cast<std::uint16_t>(axis)));
@@ -205,7 +205,7 @@ int stream(const Setting& setting, AxisRange range, std::chrono::milliseconds le
     if (const auto enabled = group->enable_all(); !enabled) print_failure("enable_all", enabled);
     positions += stream_once(*group, {.lead = lead}, last);
     if (!last) static_cast<void>(group->stop_streaming());
-    // A call that was interrupted at the very end is repeated: the end is judged.
+    // A call interrupted at the very end is repeated, because the final position is judged.
   } while (!is_stop_requested() || (!last && interruptions < kMostInterruptions));
   Json result{{"positions", positions}, {"interruptions", interruptions}};
   if (last) {
@@ -234,9 +234,9 @@ int group(const Setting& setting, const std::vector<std::string>& axes) {
   for (Eigen::Index place = 0; place < way.size(); ++place) {
     way[place] = kLongMove * static_cast<double>(place + 1) / 4.0;
   }
-  // A frame that comes late at one bench only is refused there, and the call reports it. The
-  // targets are absolute: the call is repeated, and the axes meet again. So is the last one: the
-  // end is judged.
+  // A frame that is late at only one bench is refused there, and the call reports it. Since the
+  // targets are absolute, repeating the call brings the axes together again. The last call is
+  // repeated, too, because the final position is judged.
   Count moves;
   bool is_taken = false;
   do {
@@ -251,7 +251,7 @@ int group(const Setting& setting, const std::vector<std::string>& axes) {
     print_failure("status", end.outcome());
     return 1;
   }
-  // Axes of a group that have moved n times have moved n ways, all of them.
+  // After n moves, all axes of a group have moved by n distances.
   const Eigen::VectorXd moved = (end->demand() - base).cwiseQuotient(way);
   print_line({{"acknowledged", moves.acknowledged},
               {"refused", moves.uncertain},

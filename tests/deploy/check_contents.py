@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Checks the list of what is in the packages: the fields that SPDX 2.3 requires, each package with its sum.
+"""Checks the list of package contents: the fields required by SPDX 2.3, each package's checksum.
 
   check_contents.py LIST DEB...
 """
@@ -14,7 +14,7 @@ REQUIRED = {"": ("SPDXID", "spdxVersion", "dataLicense", "name", "documentNamesp
             "creationInfo": ("created", "creators"),
             "packages": ("SPDXID", "name", "downloadLocation"),
             "relationships": ("spdxElementId", "relationshipType", "relatedSpdxElement")}
-# A header-only library, a shared one, one that is in a program as a bundle.
+# A header-only library, a shared one, and one that is bundled into a program.
 EXPECTED = {("vdrived", "STATIC_LINK", "libeigen3-dev"), ("vdrived", "DYNAMIC_LINK", "libyaml-cpp-dev"),
             ("vdrive-gateway", "CONTAINS", "uplot"), ("python3-vdrive", "STATIC_LINK", "pybind11-dev")}
 

@@ -1,13 +1,13 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: Apache-2.0
-# Makes the images of build/packages, looks into them, and runs them with podman.
+# Makes the images from build/packages, inspects them, and runs them with podman.
 #
 #   tests/deploy/check_images.sh [DIR]
 #
-#   DIR   the packages; default build/packages, which are built where they are missing
+#   DIR   the packages; default build/packages, which are built if they are missing
 #
-# Needs deploy/setup.sh --images. Where podman cannot run a container the images are looked into
-# only; the last line says why.
+# Needs deploy/setup.sh --images. Where podman cannot run containers, the images are only
+# inspected; the last line gives the reason.
 set -euo pipefail
 
 root=$(cd "$(dirname "${BASH_SOURCE[0]}")/../.." && pwd)
@@ -30,7 +30,7 @@ fail() {
   exit 1
 }
 
-# Repeats a command until its output has $1, for at most 60 s.
+# Repeats a command until its output contains $1, for at most 60 s.
 soon() {
   local expected=$1 last=$((SECONDS + 60)) text
   shift
@@ -55,7 +55,7 @@ for image in "${images[@]}"; do
   for blob in "$layout"/blobs/sha256/*; do
     [[ $(sha256sum <"$blob") == "$(basename "$blob")  -" ]] || fail "$name: $blob has another name"
   done
-  # The layer is the largest blob, the configuration the one with a user.
+  # The layer is the largest blob; the configuration is the one with a user.
   layer=$(find "$layout/blobs" -type f -printf '%s %p\n' | sort -n | tail -n 1 | cut -d ' ' -f 2)
   tar --list --verbose --gzip --file "$layer" >"$work/list"
   shells=$(grep -E '/(ba|da|z|k|c|tc)?sh$|/(busybox|perl|python3?|dpkg|apt(-get)?)$' "$work/list" || true)
@@ -70,7 +70,7 @@ done
 size=$(stat --format %s "${images[0]}")
 ((size <= 60000000)) || fail "the bench has $size bytes, more than 60 MB"
 
-# What cannot be made is refused in one line.
+# An image that cannot be made is refused with a one-line message.
 refused() {
   local expected=$1 text
   shift
@@ -101,13 +101,13 @@ version=${version%%_*}
 podman run --rm --read-only --network none "localhost/vdrive-bench:$version" --version >/dev/null ||
   skip "$(tail -n 1 "$work/podman.log")"
 
-# Runs an image as a cluster would: no capabilities, nothing to write to.
+# Runs an image as a cluster would: without capabilities or writable files.
 start() {
   containers+=("$1")
   podman run --detach --name "$1" --read-only --read-only-tmpfs=false --cap-drop all \
     --security-opt no-new-privileges "${@:2}" >/dev/null || fail "$(tail -n 1 "$work/podman.log")"
 }
-# @return what a container says that cannot run.
+# Prints the message of a container that cannot run.
 says() {
   : >"$work/podman.log"
   ! podman run --rm --read-only --network none "$@" >"$work/said" || fail "$*: runs without its settings"
@@ -124,7 +124,7 @@ expect_line "identity_ca.pem: cannot be read" --env VDRIVE_SECURITY=/etc/vdrive/
 expect_line "cannot read '/etc/vdrive/token'" "localhost/vdrive-gateway:$version"
 expect_line "/etc/vdrive/canopen.yaml" "localhost/vdrive-canopen:$version"
 
-# A bench with a configuration, the bridges beside it as in one pod, and the health of each.
+# A bench with a configuration, the bridges next to it as in one pod, and the health of each.
 echo "axes: [{number: 1, name: lift}]" >"$work/vdrived.yaml"
 echo "0123456789abcdef" >"$work/token"
 start bench --network none --volume "$work/vdrived.yaml:/etc/vdrive/vdrived.yaml:ro" \
@@ -146,7 +146,7 @@ podman stop --time 20 ros2 canopen gateway bench >/dev/null
 ((SECONDS - before < 20)) || fail "the containers do not end by SIGTERM"
 [[ $(podman inspect --format '{{.State.ExitCode}}' bench gateway) == $'0\n0' ]] || fail "bench or gateway did not end in order"
 
-# The demo, from outside.
+# The demo, accessed from outside.
 start demo --publish 127.0.0.1::8765 "localhost/vdrive-demo:$version"
 soon "open http://127.0.0.1:8765/?token=" podman logs demo
 page=$(podman port demo 8765/tcp)

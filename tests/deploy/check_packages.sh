@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: Apache-2.0
-# Builds the Debian packages and checks them: what is in them, that the programs run from where
-# they are unpacked, that an outside program builds against the library, that the programs are
+# Builds the Debian packages and checks them: their contents, that the programs run from where
+# they are unpacked, that an external program builds against the library, that the programs are
 # hardened, and that man pages and completion agree with the programs.
 #
 #   tests/deploy/check_packages.sh
@@ -134,7 +134,7 @@ readonly dds="libfast(rtps|dds)" # of Debian 12, of Debian 13
 dpkg-deb --ctrl-tarfile "$(package_of vdrived)" | tar -xO ./conffiles |
   grep -qx /etc/vdrive/vdrived.yaml || fail "the configuration would be overwritten"
 
-# A document that a configuration or a unit names is in a package; the news are of this version.
+# Documents named by a configuration or a unit are in a package; the news are those of this version.
 manuals() {
   { grep -o 'man [a-z][a-z0-9.-]*' "$unpacked"/etc/vdrive/*.yaml || true
     grep -oh 'man:[a-z0-9.-]*' "$unpacked"/usr/lib/systemd/system/*; } | sed 's/^.*man[ :]//; s/\.$//' | sort -u
@@ -152,7 +152,7 @@ for news in "$unpacked"/usr/share/doc/*/NEWS.gz; do
     fail "$news does not name the version of the package"
 done
 
-# Two builds in two folders give the same bytes: none of them names its folder.
+# Builds in two folders yield the same bytes only if no file contains the name of its folder.
 if grep -rlF "$root" "$unpacked"; then
   fail "the files above name $root"
 fi
@@ -165,7 +165,7 @@ fi
 "$unpacked/usr/bin/vdrive-ros2" --version | grep -q '^vdrive-ros2 ' || fail "vdrive-ros2 --version"
 "$unpacked/usr/bin/vdrive" --version | grep -q '^vdrive ' || fail "vdrive --version"
 
-# The Python module, by itself and with the service that was packed with it.
+# The Python module, on its own and with the packaged service.
 PYTHONPATH=$unpacked/usr/lib/python3/dist-packages VDRIVE_SERVICE=$unpacked/usr/bin/vdrived /usr/bin/python3 -B \
   >"$work/log" 2>&1 <<'END' || fail "import vdrive: $(cat "$work/log")"
 import vdrive
@@ -187,7 +187,8 @@ grep -q '^ExecStart=.*--config /etc/vdrive/%i.yaml$' "$unpacked/usr/lib/systemd/
 grep -q '^StateDirectory=vdrive-%i$' "$unpacked/usr/lib/systemd/system/vdrived@.service" ||
   fail "each instance needs its own state"
 
-# Position independent, read-only relocations bound at the start, guarded stack, checked copies.
+# Position-independent code, read-only relocations bound at start, stack protector, fortified
+# functions.
 for file in "$unpacked"/usr/bin/* "$unpacked"/usr/lib/python3/dist-packages/vdrive/*.so; do
   program=$(basename "$file")
   readelf --file-header "$file" | grep -q 'Type:.*DYN' || fail "$program: no PIE"
@@ -195,7 +196,8 @@ for file in "$unpacked"/usr/bin/* "$unpacked"/usr/lib/python3/dist-packages/vdri
   readelf --dynamic "$file" | grep -q BIND_NOW || fail "$program: not bound at the start"
   symbols=$(readelf --dyn-syms --wide "$file")
   grep -q __stack_chk_fail <<<"$symbols" || fail "$program: no stack protector"
-  # The part with DDS alone copies into no buffer whose size the compiler knows and the copy may exceed.
+  # The part with DDS has no copy that could be fortified: none has a buffer of a size that the
+  # compiler knows and that the copy might exceed.
   [[ $program == libvdrive_dds.so ]] || grep -q '_chk@' <<<"$symbols" || fail "$program: no fortified functions"
   readelf --program-headers --wide "$file" | grep GNU_STACK | grep -q RWE && fail "$program: executable stack"
 done
@@ -209,7 +211,7 @@ for page in man1/vdrive.1.gz man8/vdrived.8.gz man8/vdrive-gateway.8.gz man8/vdr
   text=$(LC_ALL=C.UTF-8 MANWIDTH=200 man --warnings --local-file "$unpacked/usr/share/man/$page" 2>"$work/warnings" | col -b)
   [[ ! -s $work/warnings ]] || fail "$page: $(cat "$work/warnings")"
   program=$unpacked/usr/bin/$(basename "${page%.?.gz}")
-  # Between the titles of the groups and the examples each line begins with a command.
+  # Between the group titles and the examples, each line begins with a command.
   words=$("$program" --help | sed -n '/^Benches and axes:/,/^Examples:/s/^  \([a-z][a-z-]*\) .*/\1/p')
   [[ $program != */vdrive || -n $words ]] || fail "the help of vdrive lists no command"
   for word in $words; do
@@ -230,12 +232,12 @@ for shell in "${!completions[@]}"; do
     "$unpacked/usr/share/${completions[$shell]}" || fail "the completion for $shell is of another build"
 done
 
-# An example, with the list that is installed beside it.
+# An example, with the installed CMakeLists.txt next to it.
 cmake -S "$unpacked/usr/share/doc/vdrive-doc/clients/examples" -B "$work/examples" -G Ninja \
   -DCMAKE_PREFIX_PATH="$unpacked/usr" >"$work/log" 2>&1 || fail "$(cat "$work/log")"
 cmake --build "$work/examples" --target 01_enable_and_move >"$work/log" 2>&1 || fail "$(cat "$work/log")"
 
-# Outside programs, one for each component.
+# External programs, one for each component.
 cmake -S "$root/tests/package/consumer" -B "$work/consumer" -G Ninja \
   -DCMAKE_PREFIX_PATH="$unpacked/usr" >"$work/log" 2>&1 || fail "$(cat "$work/log")"
 cmake --build "$work/consumer" >"$work/log" 2>&1 || fail "$(cat "$work/log")"

@@ -1,12 +1,13 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: Apache-2.0
 # Installs the packages as a user does, in a clean root of this Debian: a signed repository, the demo
-# from it, an upgrade, the README's lines, a purge that leaves nothing.
+# from it, an upgrade, the README's commands, a purge that leaves nothing behind.
 #
 #   tests/deploy/check_repository.sh
 #
-# The packages are those of build/packages (deploy/package.sh). Fetches the root (debootstrap) and what
-# the packages depend on from Debian's mirror. Without root or debootstrap: exit code 77, skipped.
+# The packages are those of build/packages (deploy/package.sh). Fetches the root (debootstrap) and
+# the dependencies of the packages from Debian's mirror. Without root or debootstrap: exit code 77,
+# skipped.
 set -euo pipefail
 
 root=$(cd "$(dirname "${BASH_SOURCE[0]}")/../.." && pwd)
@@ -16,7 +17,7 @@ fail() {
   exit 1
 }
 
-# All of it runs in a namespace of mounts and processes: what it mounts and starts ends with it.
+# Runs everything in a namespace for mounts and processes, so its mounts and processes end with it.
 if [[ ${1:-} != --inside ]]; then
   if ((EUID != 0)) || ! command -v debootstrap >/dev/null; then
     echo "check_repository: skipped, needs root and debootstrap" >&2
@@ -25,7 +26,7 @@ if [[ ${1:-} != --inside ]]; then
   work=$(mktemp -d)
   trap 'rm -rf "$work"' EXIT
   chmod 755 "$work" # apt reads as a user of its own
-  # A domain that nobody else uses, as long as this shell keeps the pipe.
+  # A domain reserved for this test as long as this shell keeps the pipe.
   coproc domain { exec python3 -B "$root/tests/support/test_domain.py"; }
   read -r number <&"${domain[0]}"
   VDRIVE_DOMAIN=$number unshare --mount --pid --fork --kill-child "${BASH_SOURCE[0]}" --inside "$work"
@@ -45,7 +46,7 @@ file_of() {
   echo "$root/build/packages/$1_$current"_*.deb
 }
 
-# repack DEB SED-SCRIPT: the package with another control file.
+# repack DEB SED-SCRIPT: repacks the package with an edited control file.
 repack() {
   dpkg-deb --raw-extract "$1" "$work/repacked"
   sed -i "$2" "$work/repacked/DEBIAN/control"
@@ -57,7 +58,7 @@ repack "$(file_of vdrived)" "s/^\(Version: .*~deb\).*/\1${other[$VERSION_ID]}/; 
 before=$(echo "$work"/vdrived_0.0.1-*.deb)
 of_other=$(echo "$work"/*"~deb${other[$VERSION_ID]}_"*.deb)
 
-# What the repository refuses leaves it as it was.
+# A refused package leaves the repository unchanged.
 repository=$root/deploy/repository.sh
 refused() {
   local expected=$1
@@ -96,7 +97,7 @@ version_of() {
   chroot "$clean" dpkg-query --show --showformat='${Version}' "$1"
 }
 
-# The demo from a repository with the version before; without a key there is none.
+# The demo from a repository with the previous version; without a key, none is installed.
 mkdir -p "$clean/tree/deploy" "$clean/repository"
 cp "$root"/deploy/{demo,apt}.sh "$clean/tree/deploy/"
 others=()
@@ -115,7 +116,7 @@ cp "$of_other" "$clean/tree/"
 refused "vdrived : Depends: ${dds[${other[$VERSION_ID]}]} .* but it is not installable" \
   in_root apt-get install --yes "/tree/$(basename "$of_other")"
 
-# An upgrade keeps what the user wrote.
+# An upgrade keeps the user's changes.
 echo "# of the user" >>"$clean/etc/vdrive/vdrived.yaml"
 "$repository" "$clean/repository" --key lab@example.org "$(file_of vdrived)" >"$work/log" 2>&1 || fail "$(cat "$work/log")"
 in_root apt-get update || fail "$(cat "$work/log")"
@@ -123,7 +124,7 @@ in_root apt-get upgrade --yes || fail "$(cat "$work/log")"
 [[ $(version_of vdrived) == "$current" ]] || fail "upgraded to $(version_of vdrived), not to $current"
 grep -q "# of the user" "$clean/etc/vdrive/vdrived.yaml" || fail "the upgrade has overwritten the configuration"
 
-# The lines of the README after those that install.
+# The README's commands after those of the installation.
 sed -n '/^## Twelve lines/,/^## [^T]/p' "$root/README.md" | sed -n '/^vdrived &/,/^```/{/^```/d;p}' |
   sed 's|clients/scenarios|/usr/share/vdrive/scenarios|' >"$work/lines"
 (($(wc -l <"$work/lines") == 10)) || fail "the README has $(wc -l <"$work/lines") lines for an installed vdrive, not ten"
@@ -143,7 +144,7 @@ END
 chroot "$clean" /usr/bin/env VDRIVE_DOMAIN="$VDRIVE_DOMAIN" bash /tree/follow.sh <"$work/lines" >"$work/log" 2>&1 ||
   fail "the README's lines: $(cat "$work/log")"
 
-# A purge leaves nothing, neither what systemd makes for the services.
+# A purge leaves nothing behind, not even directories made by systemd for the services.
 mkdir -p "$clean/var/lib/private/vdrive" "$clean/etc/systemd/system/multi-user.target.wants"
 ln -s private/vdrive "$clean/var/lib/vdrive"
 ln -s /lib/systemd/system/vdrived.service "$clean/etc/systemd/system/multi-user.target.wants/"

@@ -4,12 +4,12 @@
 
     tests/deploy/check_sandbox.py VDRIVED VDRIVE [DROP_IN]
 
-The filter of system calls and address families is built from the unit itself, memory that can be
-written and executed is refused, the system is read-only without homes, the user is nobody. The
-service has to become ready, send watchdog messages, answer the tool and end on request. Its engine and its
-network process ("wire") each have to add a filter of their own; a wire that is killed has to come
-back while the engine continues. With a drop-in the tick thread also has to get its real-time
-priority. Exit code 77: no sandbox can be made here.
+The filter of system calls and address families is built from the unit itself, memory that is both
+writable and executable is refused, the system is read-only without home directories, and the user
+is nobody. The service must become ready, send watchdog messages, answer the tool and end on
+request. Its engine and its network process ("wire") must each add their own filter; a wire that is
+killed must be replaced while the engine continues. With a drop-in, the tick thread must also get
+its real-time priority. Exit code 77: no sandbox can be made here.
 """
 
 import json
@@ -35,7 +35,7 @@ def fail(text):
 
 
 def values(files, key):
-    """The values of a setting, one for each line."""
+    """The values of a setting, one list per line."""
     for file in files:
         for line in file.read_text().splitlines():
             if line.startswith(key + "="):
@@ -43,7 +43,7 @@ def values(files, key):
 
 
 def expand(names):
-    """System calls by name, groups such as @system-service resolved."""
+    """The system calls named, with groups such as @system-service resolved."""
     calls = set()
     for name in names:
         if not name.startswith("@"):
@@ -63,7 +63,7 @@ def allowed_calls(files):
             calls -= expand([names[0][1:]] + names[1:])
         else:
             calls |= expand(names)
-    # systemd adds the calls that are needed to reach main().
+    # systemd adds the calls needed to reach main().
     return calls | expand(["@default"]) | {"execve"}
 
 
@@ -85,12 +85,12 @@ def make_filter(files):
             else:
                 rules.add_rule(seccomp.ALLOW, call)
         except (RuntimeError, ValueError, OSError):
-            pass  # of another machine or a newer kernel
+            pass  # of another architecture or a newer kernel
     return rules
 
 
 def sandbox(program, arguments, rules, state):
-    """The command line that runs `program` in there, and the file that it needs."""
+    """The command line that runs `program` in the sandbox, and a file that it needs open."""
     compiled = tempfile.TemporaryFile()
     rules.export_bpf(compiled)
     compiled.seek(0)
@@ -113,7 +113,7 @@ def name_of(process):
 
 
 def only_child(process, name):
-    """Waits until the only child of a process is called so."""
+    """Waits until the only child of a process has this name."""
     deadline = time.monotonic() + 10
     while time.monotonic() < deadline:
         try:
@@ -134,7 +134,7 @@ def state_of(process, field):
 
 
 def is_there(process):
-    """Whether it runs: a zombie holds nothing any more."""
+    """Whether the process runs; a zombie has already released everything."""
     try:
         return "(zombie)" not in pathlib.Path(f"/proc/{process}/status").read_text()
     except (FileNotFoundError, ProcessLookupError):
@@ -142,7 +142,7 @@ def is_there(process):
 
 
 def check_filters(engine, spawner, wire):
-    """The unit's filter is that of the spawner: engine and wire have one more."""
+    """The spawner has the unit's filter; engine and wire have one more each."""
     for name, process in (("engine", engine), ("wire", wire)):
         if state_of(process, "Seccomp") != 2:
             fail(f"the {name} has no filter of system calls")
@@ -156,7 +156,7 @@ class Tool:
         self.command = [program, "--domain", DOMAIN, "--timeout", "10", "--json"]
 
     def run(self, *words, may_fail=False):
-        """@return what it prints, one object a line."""
+        """@return the output, one object per line."""
         result = subprocess.run(self.command + list(words), capture_output=True, text=True)
         if result.returncode != 0 and not may_fail:
             fail(f"vdrive {' '.join(words)}: {result.stderr}")
@@ -164,7 +164,8 @@ class Tool:
 
 
 def check_restart(tool, spawner, wire):
-    """A wire that is killed: another one, of the same run of the service, its axes as they were."""
+    """Kills the wire: another one of the same run of the service replaces it, and the axes are
+    unchanged."""
     tool.run("enable", "1.1")
     killed = time.monotonic()
     os.kill(wire, signal.SIGKILL)
@@ -174,7 +175,8 @@ def check_restart(tool, spawner, wire):
     answered = time.monotonic()
     if state != "Operation enabled":
         fail(f"the axis did not outlive the wire: it is in {state}")
-    # A new run of the service would have had one start only. Problems of this machine do not count.
+    # After a new run of the service, there would be only one start. Other findings about this
+    # machine are ignored.
     findings = [finding["text"] for finding in tool.run("doctor", may_fail=True)]
     if not any("bench 1 was started again once" in text for text in findings):
         fail(f"the doctor does not see a second wire of the same run: {findings}")
@@ -183,7 +185,7 @@ def check_restart(tool, spawner, wire):
 
 
 def end(service, processes):
-    """SIGTERM as the unit's KillMode sends it. @return what the service logged."""
+    """Sends SIGTERM according to the unit's KillMode. @return the log of the service."""
     mode = [names[0] for names in values([UNIT], "KillMode")]
     begin = time.monotonic()
     for process in processes[:1] if mode == ["mixed"] else processes:
@@ -200,7 +202,7 @@ def end(service, processes):
 
 
 def check_life(service, listener, tool):
-    """From the start to the end. @return what the service logged."""
+    """Checks from start to end. @return the log of the service."""
     for line in ("READY=1", "WATCHDOG=1"):
         while line not in listener.recv(4096).decode().split("\n"):
             pass

@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: Apache-2.0
-# The systemd units: systemd accepts them, and their exposure stays below the
-# promised values: 1.5 of systemd-analyze's 10 points, 1.9 with the drop-in for real time.
+# Checks that systemd accepts the units, and that their exposure stays below the promised values:
+# 1.5 of systemd-analyze's 10 points, 1.9 with the drop-in for real time.
 #
 #   tests/deploy/check_units.sh
 set -euo pipefail
@@ -15,7 +15,7 @@ fail() {
   exit 1
 }
 
-# --threshold counts tenths.
+# --threshold is in tenths of a point.
 check_exposure() {
   local unit=$1 threshold=$2 output
   if ! output=$(systemd-analyze security --offline=true --threshold="$threshold" "$unit" 2>&1); then
@@ -37,7 +37,7 @@ mkdir "$work/vdrived.service.d"
 cp "$root/deploy/systemd/realtime.conf" "$work/vdrived.service.d/"
 check_exposure "$work/vdrived.service" 19
 
-# The program is not installed here; everything else has to be right.
+# The program is not installed here; everything else must be correct.
 for unit in vdrived.service vdrive-gateway.service vdrive-ros2.service vdrive-canopen.service; do
   sed -i 's|^ExecStart=.*|ExecStart=/bin/true|; /^Documentation=/d' "$work/$unit"
   output=$(systemd-analyze verify --man=no "$work/$unit" 2>&1) || true

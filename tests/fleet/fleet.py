@@ -1,12 +1,12 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: Apache-2.0
-"""A fleet of pods: what tests/fleet/run.sh does once images and pods are there.
+"""A fleet of pods: the part of tests/fleet/run.sh that follows once images and pods exist.
 
   fleet.py --pods DIR --closed DIR --images DIR --client NETWORK_CLIENT --work DIR [--next VDRIVED]
 
-This program is to podman what a cluster's controllers and kubelets are to their runtime: it makes
-pods again that were removed, one at a time where a budget says so, and asks for /readyz. It restarts
-nothing else. The figures of the run are printed last, as the table of docs/explanation/scale.md.
+This program takes the place of a cluster's controllers and kubelets for podman: it recreates
+removed pods, one at a time where a budget demands it, and polls /readyz. It restarts nothing else.
+At the end it prints the figures of the run, as the table of docs/explanation/scale.md.
 """
 import argparse
 import json
@@ -33,7 +33,7 @@ OTHERS = ("4.1", "5.1", "6.1")
 
 
 class Failed(AssertionError):
-    """Something did not hold."""
+    """An expectation was not met."""
 
 
 class Missing(Exception):
@@ -46,7 +46,7 @@ def expect(condition, text):
 
 
 class Podman:
-    """Pods in a network of their own, with storage of their own."""
+    """Pods with their own network and storage."""
 
     NETWORK = "vdrive-fleet"
 
@@ -58,21 +58,21 @@ class Podman:
                         "--runroot", str(work / "run"), "--network-config-dir", str(work / "networks")]
 
     def take(self, pods):
-        """The pods of a folder from here on."""
+        """Uses the pods of a folder from now on."""
         self.files = {p.name.removesuffix(".yaml").split(".")[0]: p for p in pods.glob("*.yaml")}
 
     def call(self, *words, code=0):
-        """Returns what the command prints; `code` None: whatever its exit code."""
+        """Returns the output of the command. With `code` None, any exit code is accepted."""
         done = subprocess.run([*self.command, *map(str, words)], capture_output=True, text=True,
                               timeout=PATIENCE)
-        # It warns of the syslog that it does not find.
+        # podman warns about a missing syslog.
         errors = "\n".join(x for x in done.stderr.splitlines() if "syslog" not in x)
         expect(code is None or done.returncode == code,
                f"podman {' '.join(map(str, words[:3]))}: exit code {done.returncode}: {errors}")
         return done.stdout + ("" if code == 0 else errors)
 
     def play(self, pod, change=None, code=0):
-        """As a kubelet starts a pod. `change` takes the pod and may change it."""
+        """Starts a pod as a kubelet would. `change` may modify the pod."""
         documents = list(yaml.safe_load_all(self.files[pod].read_text()))
         for container in documents[-1]["spec"]["containers"]:
             container.pop("ports", None)  # those of this machine may be in use
@@ -86,7 +86,7 @@ class Podman:
                          code=code)
 
     def remove(self, pod):
-        """As a controller removes a pod: SIGTERM, and SIGKILL after 5 s."""
+        """Removes a pod as a controller would: SIGTERM, and SIGKILL after 5 s."""
         self.call("pod", "stop", "--time", 5, pod)
         self.call("pod", "rm", "--force", pod)
 
@@ -113,7 +113,8 @@ class Podman:
 
 
 def traffic(process):
-    """Returns bytes and packets that the pod of a process has sent and received, and when."""
+    """Returns the bytes and packets that the pod of a process has sent and received, and the time.
+    """
     for line in pathlib.Path(f"/proc/{process}/net/dev").read_text().splitlines():
         interface, _, counts = line.partition(":")
         if interface.strip() == "eth0":
@@ -123,7 +124,7 @@ def traffic(process):
 
 
 class Master:
-    """A program in a pod of its own that moves axes, and prints each of its calls."""
+    """A program in its own pod that moves axes and prints each of its calls."""
 
     def __init__(self, podman, name, image, client, role, axes):
         self.axes = axes
@@ -144,8 +145,8 @@ class Master:
                 and axis in (None, x["axis"])]
 
     def failures(self, since):
-        """Calls that lost something. Those that came too late, or did not end in time, are of a busy
-        machine (late())."""
+        """Calls that failed. Late ones and those that timed out are due to a busy machine, see
+        late()."""
         return [x for x in self.lines(since) if x.get("outcome", "ok") not in ("ok", *self.LATE)]
 
     LATE = ("refused", "timed_out")
@@ -191,7 +192,7 @@ class Fleet:
         return version
 
     def make_next(self, program):
-        """The image `next`, with another vdrived if there is one. Returns its version."""
+        """Makes the image `next`, with another vdrived if there is one. Returns its version."""
         image = f"localhost/vdrive-bench:{self.version}"
         if not program:
             self.podman.call("tag", image, "localhost/vdrive-bench:next")
@@ -213,10 +214,10 @@ class Fleet:
     def say(self, text):
         print(f"{time.monotonic() - self.begin:6.1f} s  {text}", flush=True)
 
-    # ---- what a person or a kubelet asks ---------------------------------------------------------
+    # ---- actions of a person or a kubelet --------------------------------------------------------
 
     def tool(self, *words, code=0, server=SERVER):
-        """The tool in the pod of the gateway. Returns what it prints."""
+        """Runs the tool in the pod of the gateway. Returns its output."""
         return self.podman.call("exec", self.podman.container("vdrive-gateway"), "/usr/bin/vdrive",
                                 "--interface", "eth0", "--discovery-server", server, *words, code=code)
 
@@ -249,7 +250,7 @@ class Fleet:
     def wait_ready(self, pod, path="readyz", port=9464):
         hosts.wait_for(f"ready {pod}", lambda: self.probe(pod, path, port)[0] == 200, PATIENCE)
 
-    # ---- what controllers do ---------------------------------------------------------------------
+    # ---- actions of controllers ------------------------------------------------------------------
 
     def image(self, tag):
         def change(pod):
@@ -257,7 +258,7 @@ class Fleet:
         return change
 
     def other(self, name, number, *words):
-        """A further pod, with the number of a bench and more arguments."""
+        """Starts an additional pod, with a bench number and further arguments."""
         def change(pod):
             pod["metadata"]["name"] = name
             pod["metadata"]["labels"]["apps.kubernetes.io/pod-index"] = str(number)
@@ -273,8 +274,8 @@ class Fleet:
         self.podman.play(f"vdrive-bench-{number}", self.image(tag or self.version))
 
     def replace(self, number, tag):
-        """Removes a bench and makes its pod again, as an eviction or an upgrade does.
-        Returns after what time it is ready [s]."""
+        """Removes a bench and makes its pod again, like an eviction or an upgrade. Returns the
+        time until it is ready [s]."""
         pod = f"vdrive-bench-{number}"
         before = self.podman.address(pod)
         begin = time.monotonic()
@@ -284,7 +285,7 @@ class Fleet:
         expect(self.podman.address(pod) != before, f"{pod} has its former address")
         return time.monotonic() - begin
 
-    # ---- the story -------------------------------------------------------------------------------
+    # ---- the sequence of the test ----------------------------------------------------------------
 
     def run(self):
         self.begin = time.monotonic()
@@ -332,7 +333,7 @@ class Fleet:
         pods += ["vdrive-gateway", "vdrive-discovery-0"]
         processes = {pod: self.podman.process(pod) for pod in pods}
         before = {pod: traffic(processes[pod]) for pod in pods}
-        time.sleep(10)  # what is measured is a time
+        time.sleep(10)  # the period over which traffic is measured
         rates = {}
         for pod in pods:
             now = traffic(processes[pod])
@@ -360,7 +361,7 @@ class Fleet:
         return [line for line in self.observer.lines(since) if "axis" in line]
 
     def came_to_rest(self, axis, begin, end):
-        """When the axis stopped for the last time between two instants; `begin` if it stood."""
+        """When the axis last stopped between two instants; `begin` if it was at rest."""
         rest, moving = begin, False
         for line in self.observed():
             if line["axis"] == axis and line["time"] <= end:
@@ -375,11 +376,12 @@ class Fleet:
             expect(not line.get("moving") or line["owner"] != 0, f"an axis moves unowned: {line}")
 
     def kill_in_motion(self):
-        """SIGKILL to bench 2 while the group moves. Its pod restarts it, as a kubelet would."""
+        """Kills bench 2 with SIGKILL while the group moves. Its pod restarts it, as a kubelet
+        would."""
         process = self.podman.process("vdrive-bench-2")
 
         def moves_now():
-            """A line takes 0.3 s."""
+            """A motion takes 0.3 s."""
             last = [x for x in self.observed() if x["axis"] == "2.1"][-1:]
             return last and last[0]["moving"] and time.monotonic() - last[0]["time"] < 0.1
         hosts.wait_for("motion of 2.1", moves_now, PATIENCE)
@@ -436,7 +438,8 @@ class Fleet:
         hosts.wait_for(f"list with the versions {versions}", are_listed, PATIENCE)
 
     def lose_server(self):
-        """Who has found each other goes on; a bench that starts meanwhile is found later."""
+        """Participants that have found each other continue; a bench that starts meanwhile is found
+        later."""
         before = self.podman.address("vdrive-discovery-0")
         begin = time.monotonic()
         os.kill(self.podman.process("vdrive-discovery-0"), 9)
@@ -486,7 +489,7 @@ class Fleet:
         self.expect_unharmed(self.group, begin)
         self.wait_for_all()
 
-    # ---- what goes wrong -------------------------------------------------------------------------
+    # ---- mistakes --------------------------------------------------------------------------------
 
     def expect_line(self, expected, text, what):
         line = next((x for x in text.splitlines() if expected in x), None)
@@ -508,7 +511,7 @@ class Fleet:
 
 
     def run_closed(self):
-        """The overlay of the closed mode: peers by name, certificates in Secrets."""
+        """The overlay of closed mode: peers by name, certificates in Secrets."""
         self.podman.end()
         self.podman.take(self.closed)
         self.say("two benches and the gateway of the closed mode")

@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
-// The programs that the network tests run on their hosts. One JSON object a line on standard
-// output; `time` is seconds of the monotonic clock.
+// The programs that the network tests run on their hosts. They print one JSON object per line on
+// standard output; `time` is in seconds of the monotonic clock.
 //
-//   network_client OPTIONS cycle AXIS...    moves each axis to and fro; retakes lost axes
-//   network_client OPTIONS group AXIS...    moves the axes together, to and fro, every other one
-//                                           in the other direction; retakes lost axes
+//   network_client OPTIONS cycle AXIS...    moves each axis back and forth; reacquires lost axes
+//   network_client OPTIONS group AXIS...    moves the axes together, back and forth, every other
+//                                           one in the opposite direction; reacquires lost axes
 //   network_client OPTIONS observe AXIS...  prints every change of state, owner, error and motion
 //   network_client OPTIONS hold AXIS        keeps the axis enabled; a number on standard input is a
-//                                           set-point that is sent at once, in any state
+//                                           set-point, sent immediately in any state
 //
 //   OPTIONS: --domain NUMBER, --interface ADDRESS, --peer HOST, --discovery-server HOST:PORT
 #include "service/probe.hpp"
@@ -77,10 +77,9 @@ Arguments parse(const std::vector<std::string>& words) {
   return arguments;
 }
 
-// ---- cycle
-// ---------------------------------------------------------------------------------------
+// ---- cycle -------------------------------------------------------------------------------------
 
-/// 0.2 s of acceleration and deceleration, 0.1 s at speed: in motion nearly all the time.
+/// 0.2 s of acceleration and deceleration, 0.1 s at constant velocity: nearly always in motion.
 constexpr std::int32_t kFar = 4'096;
 constexpr client::MoveOptions kMotion{.velocity = 20'480,
                                       .acceleration = 204'800,
@@ -97,7 +96,7 @@ bool print_outcome(const std::string& axis, const char* call, const client::Outc
   return static_cast<bool>(outcome);
 }
 
-/// Enables the axis and moves it to and fro until a call fails.
+/// Enables the axis and moves it back and forth until a call fails.
 void move_until_it_fails(client::Session& session, const std::string& name) {
   auto axis = session.axis(name);
   if (!axis) {
@@ -113,7 +112,7 @@ void move_until_it_fails(client::Session& session, const std::string& name) {
   while (print_outcome(name, "move", axis->move_to(target, kMotion))) target = kFar - target;
 }
 
-/// Counts the samples of the stream of one axis, and checks that none comes twice or out of order.
+/// Counts the samples of an axis in the stream, and checks that none is repeated or out of order.
 void count_samples(client::Session& session, const std::string& name, const std::stop_token& stop) {
   std::uint64_t samples = 0;
   std::uint64_t missed = 0;
@@ -146,7 +145,7 @@ void count_samples(client::Session& session, const std::string& name, const std:
       }
       if (stop.stop_requested()) return;
     }
-    // A new follower does not know the samples before it: count again.
+    // A new follower does not know the earlier samples, so the count starts again.
     print({{"axis", name}, {"stream", "silent"}});
     samples = missed = skipped = first = last = 0;
   }
@@ -177,8 +176,7 @@ int cycle(const Arguments& arguments) {
   return 0;
 }
 
-// ---- group
-// ---------------------------------------------------------------------------------------
+// ---- group -------------------------------------------------------------------------------------
 
 constexpr const char* kGroup = "group";
 
@@ -212,8 +210,7 @@ int group(const Arguments& arguments) {
   return 0;
 }
 
-// ---- observe
-// -------------------------------------------------------------------------------------
+// ---- observe -----------------------------------------------------------------------------------
 
 Json seen_of(const client::AxisSnapshot& axis) {
   return {{"axis", client::to_string(axis.id)}, {"state", to_string(axis.state())},
@@ -221,7 +218,7 @@ Json seen_of(const client::AxisSnapshot& axis) {
           {"epoch", axis.owner_epoch},          {"moving", axis.status.velocity_demand_value != 0}};
 }
 
-/// Prints each change of an axis; a bench that was restarted is lost to a follower for good.
+/// Prints each change of an axis. A follower permanently loses a bench that restarts.
 void observe_axis(client::Session& session, client::AxisId id, const std::stop_token& stop) {
   Json last;
   while (!stop.stop_requested()) {
@@ -264,8 +261,7 @@ int observe(const Arguments& arguments) {
   return 0;
 }
 
-// ---- hold
-// ----------------------------------------------------------------------------------------
+// ---- hold --------------------------------------------------------------------------------------
 
 /// Keeps an axis enabled by frames that do not depend on its state.
 class Holder {
@@ -280,7 +276,7 @@ class Holder {
     if (!probe_.find_bench()) return false;
     const auto acquired = probe_.acquire({id_.axis});
     if (!acquired || acquired->reason != msg::Reason::none) return false;
-    // Resets a fault that the axis may have, then enables it.
+    // Resets a fault, if any, then enables the axis.
     constexpr std::array<std::uint16_t, 5> kWords{0x00, 0x80, 0x06, 0x07, 0x0F};
     for (const std::uint16_t word : kWords) {
       auto frame = probe_.make_frame();
@@ -297,7 +293,7 @@ class Holder {
     probe_.send(frame);
   }
 
-  /// Sends the set-point, and prints the answer.
+  /// Sends the set-point and prints the reply.
   void point(std::int32_t target) {
     auto frame = probe_.make_frame();
     add(frame, 0x3F, target);
@@ -364,7 +360,7 @@ int run(const Arguments& arguments) {
 }  // namespace vdrive::test
 
 int main(int count, char** words) {
-  // Blocked before the first thread starts, so that every thread leaves it to sigwait.
+  // Blocked before the first thread starts, so that all threads leave the signal to sigwait.
   sigset_t signals;
   sigemptyset(&signals);
   sigaddset(&signals, SIGTERM);

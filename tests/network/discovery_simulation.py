@@ -5,9 +5,9 @@
   discovery_simulation.py [--benches 2 4 8] [--on HOSTS] [--wire thread|process]
   discovery_simulation.py --check MEASURED     compares with lines of discovery_traffic.py
 
-What a participant sends is a rule that was read off real ones (Rules); the simulation has no
-randomness and no clock. Each line is one network on which all benches find each other by multicast.
-Exit code 1: --check found a difference.
+Participants send according to Rules, which were derived from real ones; the simulation has no
+randomness and no clock. Each line describes a network where all benches find each other by
+multicast. Exit code 1: --check found a difference.
 """
 import argparse
 import dataclasses
@@ -18,22 +18,23 @@ import sys
 
 @dataclasses.dataclass(frozen=True)
 class Rules:
-    """The messages of one participant of vdrive. The times are those of idl/src/dds/dds_participant.cpp."""
+    """The messages of one participant of vdrive. The times are those in
+    idl/src/dds/dds_participant.cpp."""
 
     first_announcements: int = 10
     first_period: float = 0.05  # [s]
     period: float = 0.1  # [s]
-    # Loopback and the network: a multicast announcement leaves on each, and what goes to one
-    # participant of the same host goes to both of its addresses.
+    # Loopback and the network: a multicast announcement is sent on each of them, and a datagram to
+    # a participant on the same host is sent to both of its addresses.
     interfaces: int = 2
     most_known: int = 256  # participants; further ones are ignored
-    # Measured: how the endpoints are announced to a new participant, with acknowledgements.
+    # Measured: the announcements of the endpoints to a new participant, with acknowledgements.
     endpoint_datagrams: int = 12
-    # The probe of a wire's process makes a new reader and writer, twice a second, and each service
-    # is announced. Measured, with acknowledgements.
+    # The probe of a wire process creates a new reader and writer twice a second, and announces them
+    # to each service. Measured, with acknowledgements.
     probe_rate: float = 2.0
     probe_datagrams: float = 6.2
-    # bench_state, 20 times a second, to the own reader and to that of each other bench.
+    # bench_state, 20 times a second, to its own reader and to that of each other bench.
     state_rate: float = 20.0
 
 
@@ -43,7 +44,7 @@ class Participant:
         self.host = host
         self.is_probe = is_probe
         self.known = set()
-        self.copies = 0  # datagrams of one announcement to every known participant
+        self.copies = 0  # datagrams per announcement to all known participants
         self.announced = 0
 
     def receives(self, other):
@@ -52,8 +53,8 @@ class Participant:
 
 
 class Simulation:
-    """Benches that start one after the other, `spacing` [s] apart, on hosts in turn; with a wire
-    process each also has its probe."""
+    """Benches that start one after the other, `spacing` [s] apart, on alternating hosts. With a
+    wire process, each also has a probe."""
 
     def __init__(self, benches, hosts, spacing=0.0, rules=Rules(), with_probes=False):
         self.rules = rules
@@ -75,13 +76,13 @@ class Simulation:
             heapq.heappush(self.events, (now + wait, number))
 
     def announce(self, number, now):
-        """To everybody by multicast, and to each participant that is known."""
+        """Announces to everybody by multicast, and to each known participant."""
         rules = self.rules
         one = self.participants[number]
         one.announced += 1
         self.multicast += rules.interfaces
         self.unicast += one.copies
-        if one.is_probe:  # what its new endpoints take in the time of one announcement
+        if one.is_probe:  # datagrams for its new endpoints within one announcement period
             self.unicast += one.copies * rules.probe_rate * rules.probe_datagrams * rules.period
         for other_number, other in enumerate(self.participants):
             if other is not one and other.start <= now and other.receives(one):
@@ -89,8 +90,8 @@ class Simulation:
                 self.meet(number, other_number)
 
     def meet(self, number, met):
-        """A participant that discovers another one answers with its own announcement, and
-        announces its endpoints."""
+        """A participant that discovers another one answers with its own announcement and announces
+        its endpoints."""
         one = self.participants[number]
         if met not in one.known and len(one.known) < self.rules.most_known:
             one.known.add(met)
@@ -99,7 +100,7 @@ class Simulation:
             self.unicast += copies * (1 + self.rules.endpoint_datagrams)
 
     def states_a_second(self):
-        """@return samples of bench_state that the benches send, in rest."""
+        """@return samples of bench_state per second sent by the benches at rest."""
         benches = [one for one in self.participants if not one.is_probe]
         others = sum(self.rules.interfaces if self.participants[met].host == one.host else 1
                      for one in benches for met in one.known
@@ -107,15 +108,15 @@ class Simulation:
         return self.rules.state_rate * (len(benches) * self.rules.interfaces + others)
 
     def is_complete(self):
-        """@return whether each participant knows all others that it receives."""
+        """@return whether each participant knows all others that it can receive."""
         return all(len(one.known) == sum(other is not one and one.receives(other)
                                          for other in self.participants)
                    for one in self.participants)
 
 
 def experiment(benches, hosts, starting=0.0, until_rest=6.0, wire="thread", rules=Rules()):
-    """As discovery_traffic.py measures: benches that all run after `starting` [s], and a time in
-    rest behind `until_rest` [s]."""
+    """Simulates a measurement of discovery_traffic.py: all benches run after `starting` [s], and
+    the network is at rest from `until_rest` [s] on."""
     rest = 5.0
     simulation = Simulation(benches, hosts, starting / benches, rules, wire == "process")
     simulation.run_until(until_rest)
@@ -134,8 +135,9 @@ def experiment(benches, hosts, starting=0.0, until_rest=6.0, wire="thread", rule
 
 
 def received_a_second(benches, rules=Rules()):
-    """@return datagrams that each bench receives in rest from benches on other hosts, its wire as
-    threads: from each one an announcement by multicast, one to itself, and a state."""
+    """@return datagrams per second that each bench receives at rest from benches on other hosts,
+    with a wire thread: from each of them a multicast announcement, a unicast
+    announcement and a state."""
     known = min(benches - 1, rules.most_known)
     return (benches - 1 + known) / rules.period + known * rules.state_rate
 
@@ -146,14 +148,14 @@ TOLERANCES = (("sent_a_second_in_rest", "multicast", 0.1), ("sent_a_second_in_re
 
 
 def check(lines):
-    """@return the differences between measured lines and their simulation, as texts."""
+    """@return the differences between measured lines and their simulation, as text."""
     wrong = []
     for line in lines:
         simulated = experiment(line["benches"], line["hosts"], line["starting_s"],
                                line["until_rest_s"], line["wire"])
         for part, kind, tolerance in TOLERANCES:
             if kind == "data" and line["wire"] == "process":
-                continue  # the probes exchange states, too, which is not simulated
+                continue  # the probes also exchange states, which is not simulated
             seen, expected = line[part][kind], simulated[part][kind]
             if abs(seen - expected) > max(tolerance * max(seen, expected), 5):
                 wrong.append(f'{line["benches"]} benches, wire {line["wire"]}, {part}, {kind}: '
@@ -162,7 +164,7 @@ def check(lines):
 
 
 def of_benches_alone(text):
-    """@return the lines that the simulation describes: by multicast, without clients."""
+    """@return the lines covered by the simulation: with multicast, without clients."""
     lines = [json.loads(line) for line in text.splitlines() if line.strip()]
     return [line for line in lines if not line["server"] and line["clients"] == 0]
 

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""The simulation of discovery: its rules in closed form, and real networks beside it.
+"""The simulation of discovery, compared with its rules in closed form and with real networks.
 
   discovery_simulation_test.py MEASURED     lines of discovery_traffic.py
 """
@@ -18,10 +18,10 @@ class Discovery(unittest.TestCase):
     def test_in_rest_each_announces_to_all_and_to_each(self):
         for benches in (1, 2, 7, 20):
             rest = simulation.experiment(benches, benches)["sent_a_second_in_rest"]
-            # 10 announcements a second: one on each of two interfaces, one to each other bench.
+            # 10 announcements per second on each of two interfaces, and one to each other bench.
             self.assertEqual(rest["multicast"], 10 * 2 * benches)
             self.assertEqual(rest["unicast"], 10 * benches * (benches - 1))
-            # 20 states a second: two to the own reader, one to each other bench.
+            # 20 states per second: two to the own reader, one to each other bench.
             self.assertEqual(rest["data"], 20 * benches * (benches + 1))
 
     def test_a_participant_of_the_same_host_gets_announcements_at_both_addresses(self):
@@ -33,9 +33,9 @@ class Discovery(unittest.TestCase):
     def test_a_pair_exchanges_its_endpoints_once(self):
         rules = simulation.Rules()
         once = simulation.experiment(2, 2)["sent_until_rest"]
-        # Both start at 0 and know each other once the first announces. Announcements until 6 s: at
-        # 0, 0.05, ... 0.45 s and then every 0.1 s, 10 + 55 of them, all but the very first to the
-        # other bench, too.
+        # Both start at 0 and know each other once the first one announces. Announcements until 6 s:
+        # at 0, 0.05, ... 0.45 s and then every 0.1 s, 10 + 55 in total; all except the very first
+        # are also sent to the other bench.
         self.assertEqual(once["multicast"], 2 * 2 * 65)
         self.assertEqual(once["unicast"], 2 * 65 - 1 + 2 * (1 + rules.endpoint_datagrams))
 

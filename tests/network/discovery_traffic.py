@@ -1,16 +1,16 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Counts the datagrams of discovery among real benches and clients on hosts of their own.
+"""Counts the datagrams of discovery among real benches and clients on separate hosts.
 
   discovery_traffic.py --service VDRIVED --tool VDRIVE [--server FASTDDS] [--hosts 2]
                        [--benches 1 2 4] [--clients 0] [--axes 2] [--every 1]
 
-For each number of benches one JSON line: what all hosts together sent from the start of the first
-program until nothing was new any more, and a second in rest; how much processor time each bench took
-in rest, and the share of its ticks that ended late. A datagram belongs to discovery when it goes to
-an even port (docs/guides/network.md). Benches are found by multicast; with --server by a discovery
+Prints one JSON line for each number of benches: the datagrams that all hosts together sent from the
+start of the first program until discovery was complete, and per second at rest; the processor time
+of each bench at rest, and the share of its ticks that ended late. Datagrams to even ports belong to
+discovery (docs/guides/network.md). Benches are found by multicast; with --server by a discovery
 server (the program fastdds) on a further host. Each client watches all axes of all benches, whose
-status comes in every tick that --every divides. Needs root, as network_test.py does.
+status is sent every --every ticks. Needs root, like network_test.py.
 """
 import argparse
 import json
@@ -22,14 +22,14 @@ import time
 
 import hosts
 
-SETTLE = 6  # [s] after the last start: the repeated announcements of a new participant have ended
+SETTLE = 6  # [s] after the last start, when a new participant's announcements end
 REST = 5  # [s]
-METRICS = 9100  # and the number of the bench: the port of its metrics
+METRICS = 9100  # plus the bench number: the port of its metrics
 KINDS = ("multicast", "unicast", "data")
 
 
 class Counters:
-    """What the programs of all hosts send, on whatever interface."""
+    """Captures what the programs on all hosts send, on any interface."""
 
     def __init__(self, network):
         self.network = network
@@ -80,7 +80,7 @@ def start_bench(arguments, network, host, number, setting):
 
 
 def ticks_of(machines, benches):
-    """@return how many ticks all benches have run, and how many of them ended late."""
+    """@return the number of ticks run by all benches, and how many of them ended late."""
     read = ("import sys, urllib.request\n"
             "print(urllib.request.urlopen(sys.argv[1], timeout=5).read().decode())")
     found = {"vdrive_ticks_total": 0.0, "vdrive_tick_overruns_total": 0.0}

@@ -18,7 +18,7 @@ SERVICE_REQUEST, SERVICE_RESPONSE = 2, 3
 
 
 class WebSocket:
-    """As much of RFC 6455 as this client needs: no fragments."""
+    """The part of RFC 6455 that this client needs: no fragments."""
 
     def __init__(self, host, port, token):
         self.socket = socket.create_connection((host, port), timeout=30)
@@ -42,7 +42,7 @@ class WebSocket:
         self.socket.sendall(head + mask + bytes(b ^ mask[i % 4] for i, b in enumerate(payload)))
 
     def receive(self):
-        """The next message, and its operation. Answers pings."""
+        """The next message and its opcode. Answers pings."""
         while True:
             operation, size = self.file.read(2)
             if size == 126:

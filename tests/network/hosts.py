@@ -15,12 +15,12 @@ NET = "10.77.0"
 
 
 class Missing(Exception):
-    """This machine cannot make hosts; the text gives the reason."""
+    """This machine cannot create hosts; the text gives the reason."""
 
 
 class Late(AssertionError):
-    """A wait that ended, or something that took too long: tests/checks/failures.py tells it from a
-    wrong value."""
+    """A wait that timed out, or something that took too long. tests/checks/failures.py
+    distinguishes it from a wrong value."""
 
 
 def run(*command):
@@ -31,9 +31,9 @@ def run(*command):
 
 
 def real_time():
-    """The words before a command that give a program real-time priority; none where that is not
-    permitted. A host has processors of its own in the world. Here it shares two with other tests,
-    whose programs of usual priority let a thread of the host wait for 50 ms and more."""
+    """A command prefix that gives a program real-time priority; empty where that is not permitted.
+    A real host has its own processors. Here it shares two with other tests, whose programs of
+    normal priority make a thread of the host wait for 50 ms or more."""
     words = ["chrt", "--rr", "1"]
     try:
         permitted = subprocess.run([*words, "true"], capture_output=True).returncode == 0
@@ -43,7 +43,7 @@ def real_time():
 
 
 def wait_for(what, condition, timeout):
-    """Waits until `condition` gives something true, which it returns."""
+    """Waits until `condition` returns a true value, and returns it."""
     deadline = time.monotonic() + timeout
     while True:
         found = condition()
@@ -55,7 +55,7 @@ def wait_for(what, condition, timeout):
 
 
 class Process:
-    """A running program; its output goes to a file, which lines() reads."""
+    """A running program; its output goes to a file that lines() reads."""
 
     def __init__(self, command, output, stdin=None):
         self.output = pathlib.Path(output)
@@ -85,7 +85,7 @@ class Process:
 
 
 class Host:
-    """One namespace with loopback, one interface `net` and firewall rules of its own."""
+    """A namespace with loopback, one interface `net` and its own firewall rules."""
 
     def __init__(self, network, letter, number):
         self.network = network
@@ -105,7 +105,7 @@ class Host:
         return run("ip", "-n", self.namespace, *arguments)
 
     def command(self, *command):
-        # Each program sees a /dev/shm of its own: what a host shares in memory ends at the host.
+        # Each program has a private /dev/shm, so shared memory does not extend beyond the host.
         mount = "mount -t tmpfs tmpfs /dev/shm && "
         if self.network.resolver:
             mount += f"mount --bind {self.network.resolver} /etc/resolv.conf && "
@@ -119,12 +119,12 @@ class Host:
         return process
 
     def call(self, *command, timeout=30):
-        """Runs a program to its end."""
+        """Runs a program until it ends."""
         return subprocess.run(self.command(*command), capture_output=True, text=True,
                               timeout=timeout)
 
     def serve_names(self):
-        """Starts a name server for all programs that start from now on: see Network.names()."""
+        """Starts a name server for all programs started from now on: see Network.names()."""
         self.network.names({})
         resolver = self.network.directory / "resolv.conf"
         resolver.write_text(f"nameserver {self.address}\noptions timeout:1 attempts:2\n",
@@ -136,20 +136,20 @@ class Host:
         self.network.resolver = resolver
 
     def unplug(self):
-        """Takes the cable out of the switch: this host sees its carrier go."""
+        """Unplugs the cable from the switch: this host loses its carrier."""
         run("ip", "-n", self.network.switch, "link", "set", self.port, "down")
 
     def plug(self):
         run("ip", "-n", self.network.switch, "link", "set", self.port, "up")
 
     def block_for(self, seconds):
-        """The switch forwards nothing from and to this host; its carrier stays. A host that loses
+        """Makes the switch block all traffic of this host; its carrier stays. A host that loses
         its carrier also forgets its neighbours' addresses, and requests them once a second."""
         state = f"bridge -n {self.network.switch} link set dev {self.port} state"
         run("sh", "-c", f"{state} 0 && sleep {seconds}; {state} 3")
 
     def lose(self, percent):
-        """The switch drops this share of what comes from and of what goes to this host."""
+        """Makes the switch drop this share of the frames from and to this host."""
         lost = f"numgen random mod 100 < {percent} drop"
         self.network.load_rules(self.network.switch, "bridge", [] if percent == 0 else [
             f"chain forward {{ type filter hook forward priority 0",
@@ -165,10 +165,10 @@ class Host:
 
 
 class Network:
-    """Hosts a, b, c, ... at 10.77.0.1, .2, .3, ...; with it goes everything that it made.
+    """Hosts a, b, c, ... at 10.77.0.1, .2, .3, ...; everything ends with the object.
 
-    The namespaces carry this process' number: several networks live side by side.
-    """
+    The names of the namespaces contain the number of this process, so several networks can
+    coexist."""
 
     def __init__(self, directory, hosts=3):
         self.directory = pathlib.Path(directory)
@@ -201,7 +201,7 @@ class Network:
         return self
 
     def names(self, names):
-        """What the name server answers from now on: names and lists of addresses."""
+        """Sets the answers of the name server: names and lists of addresses."""
         file = self.directory / "names.json"
         file.with_suffix(".new").write_text(json.dumps(names), encoding="utf-8")
         file.with_suffix(".new").replace(file)
@@ -213,7 +213,7 @@ class Network:
         self.close()
 
     def load_rules(self, namespace, family, chains):
-        """Replaces the firewall of a namespace; no chains = everything passes."""
+        """Replaces the firewall of a namespace; without chains, everything passes."""
         table = f"table {family} test"
         lines = [f"add {table}", f"delete {table}", f"{table} {{", *chains, "}"]
         script = self.directory / f"{namespace}.nft"
@@ -228,7 +228,7 @@ class Network:
 
 
 def check_rights():
-    """Raises Missing unless this machine lets us make hosts."""
+    """Raises Missing if this machine does not permit creating hosts."""
     if os.geteuid() != 0:
         raise Missing("needs root to make network namespaces")
     for tool, package in (("ip", "iproute2"), ("bridge", "iproute2"), ("nft", "nftables")):
@@ -247,7 +247,7 @@ def check_rights():
 
 
 def remove_leftovers():
-    """A run that was killed could not clean up: its process is gone, its namespaces are there."""
+    """Namespaces of killed runs remain, while their processes are gone: deletes them."""
     for line in run("ip", "netns", "list").splitlines():
         parts = line.split()[0].split("-")
         if len(parts) == 3 and parts[0] == PREFIX and not os.path.exists(f"/proc/{parts[1]}"):

@@ -4,9 +4,8 @@
 
   name_server.py ADDRESS FILE
 
-Answers queries of DNS on port 53 of ADDRESS from FILE, a JSON object of names and lists of IPv4
-addresses, which is read for each query. A name that is not there does not exist (RFC 1035).
-"""
+Answers DNS queries on port 53 of ADDRESS from FILE, a JSON object of names and lists of IPv4
+addresses that is read again for each query. Names that are not in it do not exist (RFC 1035)."""
 
 import json
 import pathlib

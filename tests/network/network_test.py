@@ -23,17 +23,17 @@ import traceback
 
 import hosts
 
-HANDED_OVER = 25  # [ticks] for which a datagram may be on its way through a busy machine
-WATCHDOG = 200  # [ticks] of 1 ms: a busy machine lets a client stand still for 100 ms
-START = 30  # [s] for a program to start and to be found, on a busy machine
-PATIENCE = 15  # [s] for what promises no time: moves go on, what was sent is answered
-LEASE = 2  # [s] after which two hosts without messages of each other forget each other
-REST = 10  # [user units] of 4096 a revolution: an axis at rest is not farther from its target
-SILENCE = 1.5  # [s] after which a client calls a service lost
+HANDED_OVER = 25  # [ticks] for which a datagram may be in transit on a busy machine
+WATCHDOG = 200  # [ticks] of 1 ms: a busy machine stalls a client for up to 100 ms
+START = 30  # [s] for starting and finding a program on a busy machine
+PATIENCE = 15  # [s] for events without a promised time: moves continue, requests are answered
+LEASE = 2  # [s] after which two hosts that receive nothing from each other forget each other
+REST = 10  # [user units] of 4096 per revolution: the largest deviation of an axis at rest
+SILENCE = 1.5  # [s] after which a client considers a service lost
 TICKS_PER_SECOND = 1000
 CONNECTION_LOST = 0x8130
 STALE_EPOCH = 2
-GATEWAY_PATIENCE = 2  # [s] after which a gateway gives up a holder whose machine acknowledges nothing
+GATEWAY_PATIENCE = 2  # [s] after which a gateway gives up a holder whose host acknowledges nothing
 SKIPPED = 77
 GROUP = "group"  # the name of the group's calls in the output of the client
 LONGEST = 100  # [s] after which a case cleans up and fails
@@ -50,11 +50,11 @@ def expect_in_time(took, limit, message):
 
 
 class Lateness(threading.Thread):
-    """How late this machine lets a thread run that wants to run every millisecond."""
+    """Measures how late this machine runs a thread that is due every millisecond."""
 
     def __init__(self):
         super().__init__(daemon=True)
-        self.delays = []  # (when, how long) of each of more than a millisecond [s]
+        self.delays = []  # (end, duration) of each delay of more than a millisecond [s]
         self.start()
 
     def run(self):
@@ -73,7 +73,7 @@ class Lateness(threading.Thread):
 
 
 class Bench:
-    """A service on a host of its own, with an observer beside it that no link can cut off."""
+    """A service on its own host, next to an observer that no link failure can cut off."""
 
     def __init__(self, case, host, number, network="", watchdog=WATCHDOG):
         self.number = number
@@ -93,7 +93,7 @@ class Bench:
         hosts.wait_for("observation", lambda: self.seen(axes[0]), START)
 
     def events(self, since=0):
-        """(tick, text) of each event from line `since` of the log on."""
+        """(tick, text) of each event in the log from line `since` on."""
         lines = self.service.lines()[since:]
         found = (re.search(r'tick=(\d+) .*text="(.*)"', line) for line in lines)
         return [(int(match[1]), match[2]) for match in found if match]
@@ -102,13 +102,13 @@ class Bench:
         return len(self.service.lines())
 
     def seen(self, axis):
-        """What the observer saw of the axis, oldest first."""
+        """The observer's lines about the axis, oldest first."""
         lines = [json.loads(line) for line in self.observer.lines()]
         return [line for line in lines if line.get("axis") == axis]
 
 
 class Case:
-    """Three hosts and what runs on them; everything ends with it."""
+    """Three hosts and their programs; everything ends with the object."""
 
     def __init__(self, programs, directory):
         self.programs = programs
@@ -172,7 +172,7 @@ class Case:
                            since + timeout - time.monotonic() if since else timeout)
 
     def stream(self, axis):
-        """The client's newest count of the status stream: samples, missed, skipped, first, last."""
+        """The client's latest count of the status stream: samples, missed, skipped, first, last."""
         lines = [json.loads(line) for line in self.cycle.lines()]
         for line in lines:
             expect("invented" not in line, f"a sample twice or out of order: {line}")
@@ -189,8 +189,8 @@ class Case:
 
 
 def find_and_move(case):
-    # The tool lists the benches that answer within its 2 s. A bench that a busy machine has just
-    # started may answer later.
+    # The tool lists the benches that answer within 2 s. A bench just started on a busy machine may
+    # answer later.
     def both_are_listed():
         began = time.monotonic()
         code, out, _ = case.tool("list", "--json")
@@ -199,7 +199,7 @@ def find_and_move(case):
     took = hosts.wait_for("a list of both benches", both_are_listed, START)
     print(f"both benches listed after {took:.2f} s")
     for axis in ("1.1", "2.1"):
-        # A machine that stands still for 100 ms loses the master: try again.
+        # The axes lose their master on a machine that stalls for 100 ms: try again.
         expect(any(case.tool("reset", axis)[0] == case.tool("enable", axis)[0] ==
                    case.tool("move", axis, "4096", "--velocity", "40960")[0] == 0
                    for _ in range(3)), f"axis {axis} did not move, three times of three")
@@ -218,7 +218,7 @@ def TwoBenchesAreFoundAndMovedByPeersWithoutMulticast(case):
     for host in (case.a, case.b, case.c):
         host.block_multicast()
     case.start_benches()
-    # Without peers no participant is found: discovery needs them.
+    # Without peers no participant is found, since discovery needs them.
     code, _, _ = case.tool("--timeout", "0.5", "list")
     expect(code == 3, f"found without peers: exit code {code}")
     case.options += ["--peer", case.a.address, "--peer", case.b.address]
@@ -268,7 +268,7 @@ def TheDiscoveryServerReturnsElsewhereAndIsFoundByItsName(case):
     for host in (case.a, case.b, case.c):
         host.block_multicast()
     case.c.serve_names()
-    # Both are started before the server, and before its name leads anywhere.
+    # Both are started before the server, and before its name resolves.
     server = "discovery.lab:11811"
     case.benches = [Bench(case, host, number, f', discovery_server: ["{server}"]')
                     for host, number in ((case.a, 1), (case.b, 2))]
@@ -291,7 +291,8 @@ def TheDiscoveryServerReturnsElsewhereAndIsFoundByItsName(case):
     hosts.wait_for("moves without the server",
                    lambda: all(case.moves(axis, ended + 3) for axis in ("1.1", "2.1")), START)
     former = None
-    # Elsewhere after the lease of the former one; then within it, elsewhere and at its address.
+    # On another host after the lease of the former server; then within its lease, first on another
+    # host, then at the same address.
     for name, host in (("server_b", case.b), ("server_c", case.c), ("server_c2", case.c)):
         if former:
             former.kill()
@@ -318,7 +319,7 @@ def ABenchThatEndsWithoutADiscoveryServerStopsNoOtherOne(case):
     server.kill()
     hosts.wait_for("the loss of the server in the log",
                    lambda: any("no discovery server" in x for x in case.benches[1].service.lines()), START)
-    # Nobody is left who could report its end, and it acknowledges nothing any more.
+    # No server is left to report its end, and it no longer acknowledges anything.
     case.benches[1].service.kill()
     killed = time.monotonic()
     hosts.wait_for("moves of the other bench 20 s later", lambda: case.moves("1.1", killed + 20), 40)
@@ -334,8 +335,8 @@ def ABridgeOfRosIsFoundAcrossHostsByItsInterfaceAndPeers(case):
     bench = Bench(case, case.a, 1)
     hosts.wait_for("start of the service",
                    lambda: any("incarnation=" in line for line in bench.service.lines()), START)
-    # The bridge is on host b and finds the bench on host a; the doctor on host c reads what the
-    # bridge publishes for nodes of ROS.
+    # The bridge on host b finds the bench on host a; the doctor on host c reads the topics that the
+    # bridge publishes for ROS nodes.
     bridge = case.b.start("bridge", case.programs.ros2, "--enable", "--interface", case.b.address,
                           "--peer", case.a.address)
 
@@ -360,7 +361,7 @@ def position(bench, axis):
 
 
 def start_holder(case, name):
-    """Tries again where the machine stood still between its taking the axis and keeping it."""
+    """Tries again if the machine stalled while it took the axis."""
     attempts = 10
     for attempt in range(1, attempts + 1):
         try:
@@ -389,7 +390,7 @@ def try_holder(case, name):
 
 
 def send_target(holder, target):
-    """Sends a set-point, and returns its number in the session."""
+    """Sends a set-point and returns its number in the session."""
     count = len(holder.lines())
     holder.child.stdin.write(f"{target}\n".encode())
     holder.child.stdin.flush()
@@ -407,7 +408,7 @@ def reply(holder, number):
 
 
 def expect_story(events, axis, what):
-    """The events report all of it, in this order."""
+    """The events report the complete sequence, in this order."""
     story = ["nothing was received", "Fault reaction active", f"fault 0x{CONNECTION_LOST:04X}",
              "Fault", "controlled by session", f"fault 0x{CONNECTION_LOST:04X} reset",
              "Operation enabled"]
@@ -421,7 +422,8 @@ def expect_story(events, axis, what):
 
 
 def expect_safe_stop(case, bench, events, axis, tick, what):
-    """The axis stopped by its watchdog, in time, and came to rest. Returns its times [ticks]."""
+    """Expects that the watchdog stopped the axis in time. Returns the times of fault and rest
+    [ticks]."""
     silences = (re.match(rf"axis {axis}: nothing was received from .* for (\d+) ms", text)
                 for _, text in events)
     silence = next((int(match[1]) for match in silences if match), None)
@@ -429,13 +431,14 @@ def expect_safe_stop(case, bench, events, axis, tick, what):
     expect(silence <= WATCHDOG + 2, f"{what}: its master was silent for {silence} ms")
     faults = [t for t, text in events if f"axis {axis}: fault 0x{CONNECTION_LOST:04X}" == text]
     expect(faults, f"{what}: no fault 0x8130: {events}")
-    # The last word of the master came before the link was down; then time-out and 2 ticks of drive
-    # time, which does not pass when the machine stands still and the number of the tick jumps.
+    # The last message of the master arrived before the link went down. The fault follows after the
+    # time-out and 2 ticks of drive time, which does not pass while the machine stalls and the tick
+    # number jumps.
     jumps = (re.match(r"tick number jumped by (\d+)", text) for t, text in events if t <= faults[0])
     jumped = sum(int(match[1]) for match in jumps if match)
-    # What arrives between two ticks is received in the next one; a machine that lets a thread wait
-    # hands it over, and takes the time of this test, as much later. The threads of the wire have more
-    # to do than the one that measures this, and wait longer.
+    # A message that arrives between two ticks is processed in the next one. A machine that delays
+    # threads delays both the message and this test's time stamp. The threads of the wire have more
+    # work than the one that measures the delay, and wait longer.
     late = math.ceil(case.lateness.longest(time.monotonic() - time.time() + tick / TICKS_PER_SECOND - 0.5))
     expect_in_time(faults[0] - jumped - math.ceil(tick), WATCHDOG + 2 + HANDED_OVER + 2 * late,
                    f"{what}: fault {faults[0] - tick} ticks after the link was down, {jumped} jumped")
@@ -448,7 +451,7 @@ def expect_safe_stop(case, bench, events, axis, tick, what):
 
 
 def short_cut(case):
-    """Returns whether everything went on; a machine that stands still itself may make it longer."""
+    """Returns whether everything continued; a machine that stalls may prolong the cut."""
     began = time.monotonic()
     marks = [bench.mark() for bench in case.benches]
     case.c.block_for(0.05)
@@ -461,7 +464,8 @@ def short_cut(case):
     def failed():
         return [call for axis in ("1.1", "2.1") for call in case.failures(axis, began)]
 
-    # A call reports its failure after the bench: one loss may be seen on one side alone.
+    # A call reports its failure after the bench does, so for a while only one side may know of a
+    # loss.
     hosts.wait_for("agreement of benches and client about a lost master",
                    lambda: bool(lost()) == bool(failed()), PATIENCE)
     return not lost()
@@ -495,13 +499,13 @@ def long_cut(case, seconds):
         failures = case.failures(axis, began)
         expect(failures, f"{what}: the client did not notice for axis {axis}")
         noticed = failures[0]["time"] - began
-        # By the silence of the bench; or by its messages once they arrive again, which takes until
+        # By the silence of the bench, or by its messages once they arrive again. That takes until
         # the host has requested its neighbour's address, once a second.
         limit = 0.5 + (SILENCE if seconds > 2 * SILENCE else seconds + 1)
         expect_in_time(noticed, limit, f"{what}: axis {axis} noticed after {noticed:.2f} s")
         expect(failures[0]["outcome"] in ("lost", "failed", "refused"), failures[0])
         print(f"{what}: axis {axis} {failures[0]['outcome']} after {noticed:.2f} s")
-    if seconds < LEASE:  # what was sent is delivered, and answered
+    if seconds < LEASE:  # messages sent meanwhile are delivered and answered
         answer = hosts.wait_for("answer to the late set-point", lambda: reply(holder, number), PATIENCE)
         expect(answer.get("reason") == STALE_EPOCH, f"{what}: late set-point: {answer}")
         hosts.wait_for("event of the refusal", lambda: any(
@@ -517,7 +521,7 @@ def ALinkFailureEndsInASafeStopAndTheClientContinues(case):
     case.benches[0].observe(case, "1.1", "1.2")
     case.benches[1].observe(case, "2.1")
     case.start_cycle()
-    # 50 ms and what a busy machine adds may exceed the watchdog; always is too often.
+    # 50 ms plus the delays of a busy machine may exceed the watchdog, but not every time.
     expect(any(short_cut(case) for _ in range(10)),
            "a link that is down for less than the watchdog stopped the axes, ten times of ten")
     for seconds in (0.3, 1, 5):
@@ -526,7 +530,7 @@ def ALinkFailureEndsInASafeStopAndTheClientContinues(case):
 
 
 def cut_off_bench_2(case):
-    """Returns whether bench 1 went on as if nothing had happened."""
+    """Returns whether bench 1 continued undisturbed."""
     case.wait_for_moves(time.monotonic(), PATIENCE)
     mark = case.benches[1].mark()
     began = time.monotonic()
@@ -539,7 +543,7 @@ def cut_off_bench_2(case):
         return False
     expect(noticed["outcome"] == "lost", noticed)
     print(f"bench 2 {noticed['outcome']} after {noticed['time'] - began:.2f} s")
-    # A client discounts the time in which it was stopped.
+    # A client does not count time in which it was stopped.
     late = case.lateness.longest(began) / TICKS_PER_SECOND
     expect_in_time(noticed["time"] - began, SILENCE + 0.3 + late, f"noticed late: {noticed}")
     time.sleep(max(0.0, began + 3 - time.monotonic()))  # beyond the participants' lease
@@ -564,7 +568,7 @@ def ABenchThatIsCutOffStopsAloneAndIsFoundAgain(case):
     case.benches[0].observe(case, "1.1")
     case.benches[1].observe(case, "2.1")
     case.start_cycle()
-    # A machine that stands still for 100 ms stops bench 1, too: try again.
+    # A machine that stalls for 100 ms also stops bench 1: try again.
     expect(any(cut_off_bench_2(case) for _ in range(3)), "bench 1 suffered, three times of three")
     case.expect_nothing_restarted()
 
@@ -573,7 +577,7 @@ def ABenchThatIsCutOffStopsAloneAndIsFoundAgain(case):
 
 
 def ticks_of_motion(bench, axis, since):
-    """The ticks at which motion of the axis began and ended, after tick `since`."""
+    """The ticks after `since` at which motion of the axis began and ended."""
     began, ended = set(), set()
     was_moving = False
     for line in bench.seen(axis):
@@ -584,18 +588,18 @@ def ticks_of_motion(bench, axis, since):
 
 
 def expect_one_line(case, what):
-    """Both axes began and ended their moves on the same ticks."""
+    """Both axes began and ended their moves in the same ticks."""
     for _ in range(10):
         marks = [bench.mark() for bench in case.benches]
         since = max(bench.seen(f"{bench.number}.1")[-1]["tick"] for bench in case.benches)
         case.wait_for_moves(time.monotonic(), 20, count=6, axes=(GROUP,))
         jumps = [text for bench, mark in zip(case.benches, marks) for _, text in bench.events(mark)
                  if "jumped" in text]
-        if not jumps:  # a bench that jumps leaves its plan behind: the machine stood still
+        if not jumps:  # after a jump a bench drops its plan: the machine stalled
             break
     first, second = (ticks_of_motion(bench, f"{bench.number}.1", since) for bench in case.benches)
     for name, one, other in zip(("begin", "end"), first, second):
-        # The newest may not have been seen on both sides yet, a sample may have been missed.
+        # One side may not have seen the latest move yet, and a sample may have been missed.
         common = len(one & other)
         expect(common >= 3, f"{what}: axes {name} apart: {sorted(one)} and {sorted(other)}")
         print(f"{what}: {common} of {max(len(one), len(other))} moves {name} on one tick")
@@ -687,7 +691,7 @@ def AGroupOverTwoHostsStopsSafelyAndContinuesTogether(case):
 
 
 def move_with_loss(case, percent, seconds):
-    """Returns the failures of the calls, and checks what the client counted of the stream."""
+    """Returns the failed calls, and checks the client's counts of the stream."""
     counted = {axis: case.stream(axis) for axis in ("1.1", "2.1")}
     silences = sum("silent" in line for line in case.cycle.lines())
     marks = [bench.mark() for bench in case.benches]
@@ -718,14 +722,14 @@ def move_with_loss(case, percent, seconds):
 
 
 def share_missed(case, axis, before, percent):
-    """The client's count agrees with itself and with the loss [%]."""
+    """Checks that the client's counts agree with each other and with the loss [%]."""
     after = case.stream(axis)
     counted = after["samples"] - 1 + after["missed"] + after["skipped"]
     expect(after["first"] + counted == after["last"],
            f"axis {axis}: samples, misses and skipped ticks do not add up: {after}")
     ticks = after["last"] - before["last"] - (after["skipped"] - before["skipped"])
     share = 100 * (after["missed"] - before["missed"]) / ticks
-    # A machine that stands still misses ticks, too.
+    # A machine that stalls misses ticks, too.
     expect(0.3 * percent <= share <= 1.5 * percent + 15,
            f"axis {axis}: {share:.1f} % missed at {percent} % loss")
     return share
@@ -735,7 +739,7 @@ def PacketLossLosesNoCommandOrEndsInASafeStop(case):
     case.start_benches()
     case.start_cycle()
     hosts.wait_for("stream", lambda: case.stream("1.1") and case.stream("2.1"), START)
-    # A machine that stands still for 100 ms has the same effect as a link that does: try again.
+    # A stall of 100 ms has the same effect on a machine as on a link: try again.
     expect(any(not move_with_loss(case, 1, 5) for _ in range(6)),
            "1 % loss: calls failed, six times of six")
     move_with_loss(case, 20, 10)
@@ -743,7 +747,7 @@ def PacketLossLosesNoCommandOrEndsInASafeStop(case):
 
 
 def AGatewayClientWithACutCableIsALostMaster(case):
-    # The gateway alone is to judge its client: a busy machine may hold it up for 200 ms.
+    # Only the gateway should judge its client, which a busy machine may delay by 200 ms.
     bench = Bench(case, case.a, 1, watchdog=1000)
     hosts.wait_for("start of the service",
                    lambda: any("incarnation=" in line for line in bench.service.lines()), START)
@@ -760,7 +764,7 @@ def AGatewayClientWithACutCableIsALostMaster(case):
                           port, token, "1.1")
     hosts.wait_for("an enabled axis", lambda: len(holder.lines()) == 2, 20)
     expect(all(json.loads(line)["ok"] for line in holder.lines()), f"answers: {holder.lines()}")
-    # A client that is there and has nothing to send is no lost master: it answers the pings.
+    # An idle client that is present is not a lost master: it answers pings.
     time.sleep(GATEWAY_PATIENCE + 1)
     expect(bench.seen("1.1")[-1]["error"] == 0, "the client that answers pings was lost")
 
@@ -769,7 +773,7 @@ def AGatewayClientWithACutCableIsALostMaster(case):
     hosts.wait_for("the fault of a lost master",
                    lambda: bench.seen("1.1")[-1]["error"] == CONNECTION_LOST, 20)
     after = time.monotonic() - cut
-    # A client whose machine answers, but not its program, is closed after 10 s.
+    # A client whose host answers but whose program does not is closed after 10 s.
     expect_in_time(after, 8, f"the fault came after {after:.1f} s")
 
 
