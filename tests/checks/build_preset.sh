@@ -1,10 +1,10 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: Apache-2.0
 # Builds one of the checking presets: build_preset.sh asan|tsan|tidy|fuzz [TARGET]
-# TARGET: only this one, instead of all that the check needs. For tidy the build is the check: lint.sh
-# reads what linted.txt does not have. tsan builds the benchmarks, too: that shows that they compile, in
-# 60 % of the time of the preset release, in which they measure. Exit code 77: tests/run.sh found no time for
-# this preset.
+# TARGET: only this one, instead of everything that the check needs. For tidy the build is the
+# check: lint.sh checks the files that are not in linted.txt. tsan also builds the benchmarks, to
+# show that they compile, in 60 % of the time of the preset release, which is used to measure. Exit
+# code 77: tests/run.sh had no time for this preset.
 set -euo pipefail
 
 root=$(cd "$(dirname "${BASH_SOURCE[0]}")/../.." && pwd)
@@ -26,6 +26,6 @@ case $preset in
     [[ -n ${2:-} ]] || options+=(--target benchmarks) ;;
   *) echo "build_preset: unknown preset '$preset'" >&2 && exit 2 ;;
 esac
-# clang-tidy counts the warnings that it does not show, even with --quiet.
+# clang-tidy reports the number of suppressed warnings, even with --quiet.
 "$root/deploy/build.sh" --preset "$preset" "${options[@]}" 2>&1 |
   sed --unbuffered --regexp-extended '/^[0-9]+ warnings? generated\.$/d'

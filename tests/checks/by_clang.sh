@@ -1,8 +1,8 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: Apache-2.0
-# The launcher of the compiler for tests where VDRIVE_TESTS_BY_CLANG is on:
+# The compiler launcher for tests if VDRIVE_TESTS_BY_CLANG is on:
 # by_clang.sh GCC CLANG [LAUNCHER...] GCC ARGUMENT...
-# CLANG compiles in the place of GCC, without the options that it does not know.
+# CLANG compiles instead of GCC, without the options that it does not know.
 set -euo pipefail
 
 gcc=$1
@@ -13,7 +13,7 @@ for argument in "$@"; do
   case $argument in
     "$gcc") command+=("$clang") ;;
     -fpch-preprocess | --param=* | -Wno-subobject-linkage) ;;
-    *.gch) # a precompiled header would include the one that it replaces
+    *.gch) # a precompiled header would include the header that it replaces
       rm -f "$argument"
       command+=("$argument") ;;
     *) command+=("$argument") ;;

@@ -1,27 +1,27 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Judges how a test failed, from what ctest and the test wrote.
+"""Judges how a test failed, from the output of ctest and of the test.
 
-  failures.py late RUN LABELS             the failed tests that .ci/run may repeat, one a line
+  failures.py late RUN LABELS             the failed tests that .ci/run may repeat, one per line
   failures.py second RUN AGAIN LABELS     both results of each failed test; exit code 0: each one
                                           failed by a deadline at first and passed alone
-  failures.py table [--markdown] RUN...   how often which test failed, and how; exit code 1: any
+  failures.py table [--markdown] RUN...   which tests failed, how often and how; exit code 1: any
 
 RUN is the path of a run without its suffix: RUN.xml is the file of ctest's --output-junit, RUN.log
 that of --output-log. LABELS is the output of `ctest --show-only=json-v1`.
 
-The kinds, and what shows them. The first one that applies counts:
+The kinds of failure and their signs. The first one that applies counts:
 
   sanitizer     a report of a sanitizer
   signal        a signal ended the test or, by its report, a program that it ran
   exception     an exception left the test: C++, Python, JavaScript
-  time limit    ctest ended the test: it may have waited for ever
+  time limit    ctest ended the test, which may have waited forever
   not run       the test did not begin
   wrong value   any failed expectation that is not one of the next kind
-  deadline      every failed expectation says that a wait ended or that something took too long
+  deadline      every failed expectation reports that a wait timed out or something took too long
 
-A test may be repeated when it failed by a deadline, threw nothing, and has the label `timed`: it
-promises something about wall time, which a machine without a free processor cannot keep.
+A test may be repeated if it failed by a deadline, threw nothing, and has the label `timed`, that
+is, makes a promise about wall-clock time, which a machine without a free processor cannot keep.
 """
 
 import argparse
@@ -39,30 +39,30 @@ TIME_LIMIT, NOT_RUN, WRONG_VALUE, DEADLINE = "time limit", "not run", "wrong val
 TIMED = "timed"  # the label, see VDRIVE_TIMED_TEST
 LONGEST_TEXT = 200
 
-# What waits write (tests/support/deadline.hpp, hosts.py, page_test.mjs) when their time is over.
+# Written by waits (tests/support/deadline.hpp, hosts.py, page_test.mjs) when their time is over.
 MARK = "[deadline]"
 
 SANITIZER_REPORT = re.compile(
     r"(Address|Thread|Leak|Memory|UndefinedBehavior)Sanitizer|: runtime error: ")
 
-# How a program that a test runs reports the signal that ended another program.
+# The reports of programs run by a test about a signal that ended another program.
 CRASH = re.compile(
     r"Segmentation fault|core dumped|terminate called|double free|stack smashing"
     r"|malloc\(\)|free\(\): |Assertion [`'].*failed|\[signal\]"
     r"|Fatal Python error"
     r"|ended with -(4|6|7|8|11)\b|ended by signal (4|6|7|8|11)\b|(exit|return) ?code[ :=]+(-(4|6|7|8|11)|13[2456]|139)\b"
     r"|died with <Signals\.SIG(ILL|ABRT|BUS|FPE|SEGV)")
-# EXPECT_EQ(finished.code, 0) of a program that a signal ended.
+# EXPECT_EQ(finished.code, 0) for a program that was ended by a signal.
 CRASH_CODE = re.compile(r"code\b[^\n]*\n\s*Which is: (-(4|6|7|8|11)|13[2456]|139)\n")
 
-# ctest's own word for how a test ended, in its list of failed tests.
+# ctest's own word for the outcome of a test, in its list of failed tests.
 SIGNALS = ("SEGFAULT", "ILLEGAL", "NUMERICAL", "INTERRUPT", "OTHER_FAULT", "Bus error")
 LISTED = re.compile(r"^\s+\d+ - (\S+) \((.+)\)\s*$", re.MULTILINE)
 
 GTEST_BLOCK = re.compile(r"^(?P<place>\S+:\d+|unknown file): Failure\n(?P<body>.*?)"
                          r"(?=^\S+:\d+: Failure$|^unknown file: Failure$|^\[[ =A-Z-]{10}\]|\Z)",
                          re.MULTILINE | re.DOTALL)
-# Durations are printed with their unit, points of time as their bytes.
+# Durations are printed with their unit, time points as bytes.
 TOO_LONG = re.compile(r"Expected: \(.*\) <=? \(.*\), actual: (8-byte object|\d+(ns|us|µs|ms|s|min|h) vs )")
 CLOCK = re.compile(r"Expected: \(.*(steady_clock|\bClock)::now\(\).*\) <=? \(")
 FUTURE = re.compile(r"\.wait_for\(.*\n(?:.*\n)*?\s*(std::)?future_status::ready")
@@ -79,7 +79,7 @@ NODE_ERROR = re.compile(r"^\s*(?P<error>(?:\w*Error|AssertionError)(?: \[\w+\])?
 
 @dataclasses.dataclass
 class Failure:
-    """How a test failed, and the first text that says so."""
+    """How a test failed, and the first text that shows it."""
     kind: str
     text: str
     thrown: bool = False  # by C++
@@ -94,7 +94,7 @@ def shorten(text):
 
 
 def line_with(pattern, output):
-    """The whole line of the first match."""
+    """The complete line of the first match."""
     match = pattern.search(output)
     begin = output.rfind("\n", 0, match.start()) + 1
     end = output.find("\n", match.end())
@@ -102,8 +102,8 @@ def line_with(pattern, output):
 
 
 def is_late(block, before):
-    """Whether an expectation of GoogleTest failed by a deadline. A wait that fails writes its mark
-    before the expectation that sees it."""
+    """Whether an expectation of GoogleTest failed by a deadline. A failing wait writes its mark
+    before the expectation that notices it."""
     return any(pattern.search(block) for pattern in (TOO_LONG, CLOCK, FUTURE, TIMED_OUT)) or \
         MARK in block or MARK in before
 
@@ -130,7 +130,8 @@ def judge_python_error(error):
 
 
 def judge_errors(output):
-    """The errors of pytest, else of the Python program, else of node."""
+    """The errors of pytest; if there are none, those of the Python program; otherwise those of
+    node."""
     for pattern in (PYTEST_LINE, TRACEBACK):
         found = [match["error"] or "" for match in pattern.finditer(output)]
         if found:
@@ -141,7 +142,7 @@ def judge_errors(output):
 
 
 def judge(status, output):
-    """How a test failed that ctest calls `status`, by what it wrote."""
+    """Judges from its output how a test with this ctest status failed."""
     if SANITIZER_REPORT.search(output):
         return Failure(SANITIZER, line_with(SANITIZER_REPORT, output))
     if status in SIGNALS or status.startswith(("Subprocess", "Exception")):
@@ -167,7 +168,8 @@ def judge(status, output):
 
 
 def failures_of_case(case, status):
-    """The failures of the tests of a case, by the name of the test; by that of the case when all passed."""
+    """The failures of the tests of a case by test name; by the name of the case if all of them
+    passed."""
     if len(case.tests) < 2:
         return {case.tests[0].name: judge(status, case.output)}
     failed = {test.name: judge(status if test.verdict == results.UNFINISHED else "Failed", test.output)
@@ -176,12 +178,12 @@ def failures_of_case(case, status):
 
 
 def failures_of(run):
-    """The failed tests of a run by name, and the number of tests that ran."""
+    """The failed tests of a run by name, and the number of tests run."""
     cases = {case.name: case for case in results.cases_of(f"{run}.xml")}
     log = pathlib.Path(f"{run}.log").read_text(encoding="utf-8", errors="replace")
     statuses = dict(LISTED.findall(log[log.rfind("The following tests FAILED:"):])) \
         if "The following tests FAILED:" in log else {}
-    # A status that no one lists must not be lost.
+    # A status that is not listed must not be lost.
     for case in cases.values():
         if case.status == "fail":
             statuses.setdefault(case.name, "Failed")
@@ -210,7 +212,7 @@ def late(arguments):
 
 
 def second(arguments):
-    """Both results of each test that failed at first."""
+    """Both results of each test that failed the first time."""
     first, _ = failures_of(arguments.run)
     repeated = late_tests(arguments.run, arguments.labels)
     again = failures_of(arguments.again)[0] if repeated else {}
@@ -222,7 +224,8 @@ def second(arguments):
 
 
 def rows_of(runs):
-    """(test, kind, how often, first text), the most frequent first; and the tests of each run."""
+    """(test, kind, count, first text), the most frequent first; and the number of tests of each
+    run."""
     seen = collections.Counter()
     texts = {}
     counts = []

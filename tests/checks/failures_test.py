@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Each way to fail is told from the others, and only a missed promise about time is repeated."""
+"""Each kind of failure is distinguished from the others, and only a missed deadline is repeated."""
 import contextlib
 import io
 import json
@@ -166,7 +166,7 @@ class Kinds(unittest.TestCase):
 
 
 class Runs(unittest.TestCase):
-    """Files as ctest writes them."""
+    """Files in the format of ctest."""
 
     def setUp(self):
         folder = tempfile.TemporaryDirectory()
@@ -179,7 +179,7 @@ class Runs(unittest.TestCase):
             [{"name": "A.WithoutLabel"}]}), encoding="utf-8")
 
     def run_of(self, name, tests):
-        """`tests`: name, status of ctest or None for a pass, output."""
+        """`tests`: name, ctest status or None if passed, output."""
         cases = "".join(f'<testcase name="{test}" status="{"fail" if status else "run"}">'
                         f"<system-out>{escape(output)}</system-out></testcase>"
                         for test, status, output in tests)

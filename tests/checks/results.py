@@ -3,9 +3,9 @@
 """The tests of a run, from the report that ctest writes for --output-junit. A case of ctest may be a
 suite of GoogleTest (vdrive_add_test): its tests are read from its output.
 
-  results.py count REPORT...     one line: how many tests passed, failed, did not run; in several
-                                 reports the last result of a test counts
-  results.py names BUILD         the names of all tests of a build, one a line
+  results.py count REPORT...     one line: how many tests passed, failed, did not run; if there are
+                                 several reports, the last result of each test counts
+  results.py names BUILD         the names of all tests of a build, one per line
 """
 
 import argparse
@@ -19,7 +19,7 @@ import xml.etree.ElementTree as ElementTree
 PASSED, FAILED, UNFINISHED, NOT_RUN = "passed", "failed", "did not end", "did not run"
 
 Test = collections.namedtuple("Test", "name verdict output")
-# `status` is ctest's own; `tests` are those that began.
+# `status` is ctest's own; `tests` contains those that began.
 Case = collections.namedtuple("Case", "name status tests output")
 
 BEGIN = re.compile(r"^\[ RUN      \] (\S+)$", re.MULTILINE)
@@ -28,7 +28,7 @@ VERDICTS = {"OK": PASSED, "FAILED": FAILED, "SKIPPED": NOT_RUN}
 
 
 def parts(output):
-    """The tests of GoogleTest that began in an output, each with its own part of it."""
+    """The GoogleTest tests that began in an output, each with its part of it."""
     found = []
     begins = list(BEGIN.finditer(output))
     for begin, following in zip(begins, begins[1:] + [None]):
@@ -39,7 +39,7 @@ def parts(output):
 
 
 def tests_of_case(name, verdict, output):
-    """The tests of a suite, else the case itself."""
+    """The tests of a suite; if there are none, the case itself."""
     suite = name.partition(".")[2] + "."
     found = [test for test in parts(output) if test.name.startswith(suite)]
     return found or [Test(name, verdict, output)]
@@ -61,7 +61,7 @@ def names_of(build, ctest="ctest"):
     """The names of the tests of a build, in ctest's order."""
     shown = subprocess.run([ctest, "--test-dir", build, "--show-only=json-v1"], check=True,
                            capture_output=True, text=True)
-    listed = {}  # program -> what it says of its tests
+    listed = {}  # program -> its list of tests
     names = {}
     for test in json.loads(shown.stdout)["tests"]:
         suite = test["name"].partition(".")[2]

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""run.sh and repeat.sh in a project of four small tests: what is red, and what runs twice."""
+"""run.sh and repeat.sh in a project of four small tests: which tests fail, and which run twice."""
 import os
 import pathlib
 import shutil
@@ -43,7 +43,7 @@ esac
 exit 1
 """
 
-# In the place of tests/conformance/check.py: a statement without its test when there is a file "missing".
+# Replaces tests/conformance/check.py: a statement lacks its test if there is a file "missing".
 CONFORMANCE = """#!/bin/sh
 for option in "$@"; do echo "reads ${option##*/}"; done
 test ! -e missing
@@ -69,7 +69,7 @@ class Scripts(unittest.TestCase):
             (self.root / name).write_text(text, encoding="utf-8")
 
     def run_script(self, rows, script, *options):
-        """`rows`: NAME:HOW:LABEL[:LABEL]. Returns the exit code and everything that was written."""
+        """`rows`: NAME:HOW:LABEL[:LABEL]. Returns the exit code and all output."""
         environment = {name: value for name, value in os.environ.items() if not name.startswith("CTEST")}
         rows = "ROWS=" + ";".join(rows)
         for command in (["cmake", "--preset", "quick", "-D", rows], ["cmake", "--preset", "release", "-D", rows],

@@ -1,18 +1,20 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Tells when the machine stood still: a host may leave a virtual machine without a processor for many
-seconds, and then every deadline in it fails.
+"""Reports when the machine stood still.
+
+A host may leave a virtual machine without a processor for many seconds, which makes every deadline
+in it fail.
 
   standstill.py watch    observes until SIGTERM, then prints a report
 
-Two measures. A loop that sleeps 100 ms notes each gap above 2 s: it needs no rights, and sees a
-starved program as well. The kernel's watchdogs write into its log what they have missed, where the
-log may be read.
+There are two sources. A loop that sleeps 100 ms notes each gap above 2 s; it needs no privileges,
+and also notices that the program was starved. Where the kernel's log may be read, its watchdogs
+report there what they have missed.
 
-The stamps of the log are no CLOCK_MONOTONIC: nobody corrects their clock, so both are apart by some
-seconds after a week. CLOCK_MONOTONIC_RAW is not corrected either, and counts by the same counter of the
-processor: its difference to CLOCK_MONOTONIC is taken off the stamps. What remains is a part in a million,
-1 s in 11 days; no program can read the clock of the log.
+The time stamps of the log are not CLOCK_MONOTONIC: their clock is never corrected, so they differ
+by some seconds after a week. CLOCK_MONOTONIC_RAW is not corrected either, and uses the same counter
+of the processor, so its difference to CLOCK_MONOTONIC is subtracted from the stamps. The remaining
+error is one part in a million, 1 s in 11 days; no program can read the clock of the log itself.
 """
 
 import argparse
@@ -27,7 +29,7 @@ import time
 PERIOD = 0.1  # [s]
 LONGEST_SLEEP = 2.0  # [s] a busy machine delays a sleep of 100 ms by less
 
-# A stalled processor writes several lines, and the kernel writes some of them seconds later.
+# A stalled processor causes several lines, some of which the kernel writes seconds later.
 SAME_STANDSTILL = 10.0  # [s]
 # A line about RCU counts jiffies of unknown length; the watchdog's default is 21 s.
 RCU_STALL = 21.0  # [s]
@@ -40,7 +42,7 @@ STUCK = re.compile(r"stuck for (\d+)s")
 
 @dataclasses.dataclass
 class Standstill:
-    """A time in which nothing ran, by the monotonic clock."""
+    """A period in which nothing ran, by the monotonic clock."""
     begin: float  # [s]
     end: float  # [s]
     shown_by: str
@@ -51,8 +53,8 @@ class Standstill:
 
 
 def of_kernel(log, since, ahead=0.0):
-    """The standstills that the text of `dmesg` tells of, those after `since` by the monotonic clock. The
-    clock of the log is `ahead` [s] of it."""
+    """The standstills reported in the text of `dmesg`, those after `since` by the monotonic clock.
+    The clock of the log is `ahead` [s] of it."""
     found = []
     for line in KERNEL_LINE.finditer(log):
         end = float(line["time"]) - ahead
@@ -69,7 +71,7 @@ def of_kernel(log, since, ahead=0.0):
 
 
 def read_kernel_log():
-    """The kernel's log, and why it cannot be read."""
+    """The kernel's log, or the reason why it cannot be read."""
     try:
         done = subprocess.run(["dmesg"], check=False, capture_output=True, text=True, errors="replace")
     except OSError as error:
@@ -82,7 +84,7 @@ def uncorrected():
 
 
 class Watch:
-    """Observes from its making to its end."""
+    """Observes from its construction to its end."""
 
     def __init__(self, clock=time.monotonic, kernel_log=read_kernel_log, kernel_clock=uncorrected):
         self.clock = clock
@@ -116,23 +118,23 @@ class Watch:
         self.note()
 
     def all(self):
-        """What was seen until now, and why the kernel's log cannot be read."""
+        """The standstills so far, and the reason why the kernel's log cannot be read."""
         self.note()
         log, problem = self.kernel_log()
         return self.gaps + of_kernel(log, self.begin, self.kernel_ahead), problem
 
     def ran(self, begin, end):
-        """How long [s] the machine ran between the two times of the clock."""
+        """How long [s] the machine ran between two times of the clock."""
         ran = 0.0
-        counted = begin  # until here
+        counted = begin  # up to this time
         for one in sorted(self.all()[0], key=lambda each: each.begin):
             ran += max(0.0, min(one.begin, end) - counted)
             counted = max(counted, one.end)
         return ran + max(0.0, end - counted)
 
     def has_ended(self, process, patience):
-        """Wait for the end of a process while the machine runs for `patience` [s]. The kernel may report
-        a standstill later than that: see ran()."""
+        """Wait for the end of a process while the machine runs for `patience` [s]. The kernel may
+        report a standstill later than that: see ran()."""
         begin = self.clock()
         left = patience
         while left > 0.0:

@@ -1,6 +1,7 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""A machine that stood still is told from one that did not, by its kernel and by a gap of the clock."""
+"""A machine that stood still is distinguished from one that did not, by its kernel and by a clock
+gap."""
 import signal
 import subprocess
 import sys
@@ -114,7 +115,7 @@ class Standstills(unittest.TestCase):
         self.assertIn("was not read: dmesg: read kernel buffer failed", lines[2])
 
     def test_the_program_reports_when_it_is_told_to_end(self):
-        # The program inherits the mask: a signal that it gets before it waits is not lost.
+        # The program inherits the mask, so a signal that arrives before it waits is not lost.
         signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGTERM})
         with subprocess.Popen([sys.executable, "-B", standstill.__file__, "watch"],
                               stdout=subprocess.PIPE, text=True) as program:

@@ -4,8 +4,8 @@
 
   check_links.py [--root TREE]
 
-Relative links of *.md files must name an existing file or folder, and their #anchor a heading of that
-page. Each path below docs/ to a page or a picture that any text file mentions must exist. CHANGELOG.md
+Relative links of *.md files must name an existing file or folder, and their #anchor a heading of
+that page. Every path below docs/ to a page or a picture in any text file must exist. CHANGELOG.md
 describes history, so only its links are checked.
 """
 import argparse

@@ -4,23 +4,23 @@
 
   follow_tutorial.py TUTORIAL README PROGRAMS
 
-PROGRAMS is the directory with vdrived and vdrive. One bash in an empty directory carries out first
-the block below "Twelve lines" of the README, then every block of the tutorial with the tag `sh`. A
-block with lines that begin with `$ ` has commands there and their output below; in any other block
+PROGRAMS is the directory with vdrived and vdrive. A bash in an empty directory first runs the block
+below "Twelve lines" of the README, then every block of the tutorial with the tag `sh`. In a block
+with lines that begin with `$ `, these are commands, with their output below; in any other block
 each line is a command, and a here-document belongs to its line. In an expected output `...` stands
 for any text. A comment line before a block gives an option:
 
   <!-- numbers may differ -->   decimal numbers of the output are not compared
 
-Three things differ from what a reader does:
+There are three differences from a reader's actions:
 - Commands that begin with ./deploy/ are left out: they build the programs.
 - The README is followed on a DDS domain of this test, and the number in the line
-  `export VDRIVE_DOMAIN=...` of the tutorial is another one: tests run side by side.
-- The log of the README's service goes into a file.
+  `export VDRIVE_DOMAIN=...` of the tutorial is replaced, because tests run in parallel.
+- The log of the README's service is written to a file.
 
-Exit code 0: every output is as shown; every other command succeeds, in the README each that does
-not "end in fault"; the tutorial ends only jobs of its shell, by their name; afterwards the service
-of the README runs, and nothing else.
+Exit code 0: every output is as shown; every other command succeeds, except those in the README that
+"end in fault"; the tutorial ends only jobs of its shell, by name; afterwards the service of the
+README is running, and nothing else.
 """
 import contextlib
 import os

@@ -1,9 +1,9 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""The run of the tutorial finds each mistake.
+"""follow_tutorial.py finds each mistake.
 
-Shell scripts stand for vdrived, which runs until it is ended, and for vdrive, which says what it
-was asked on which domain.
+Shell scripts replace vdrived, which runs until it is ended, and vdrive, which prints its arguments
+and its domain.
 """
 import pathlib
 import tempfile

@@ -5,7 +5,7 @@
     library_calls.py PAGE SOURCES ARCHIVE...
 
 Imported functions are read from the archives with nm. Virtual ones are found in the sources, as calls
-through the pointers to objects of the library that they have.
+through pointers to objects of the library.
 """
 import pathlib
 import re

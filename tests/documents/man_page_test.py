@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""The man page has each example of the tool's help on a line of its own, and its sections.
+"""The man page has each example of the tool's help on a separate line, and its sections.
 
   man_page_test.py PAGE VDRIVE
 """

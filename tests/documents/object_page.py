@@ -4,7 +4,7 @@
 
   object_page.py VDRIVE [--check]
 
-With --check the page is compared, and the exit code is 1 when it is not current.
+With --check the page is compared, and the exit code is 1 if it is out of date.
 """
 import json
 import pathlib

@@ -5,7 +5,7 @@
   pictures.py --recorder RECORD_MOVES --tool VDRIVE [--check]
 
 RECORD_MOVES is the program of record_moves.cpp, VDRIVE the tool. Without --check the files are written; with it they
-are compared, and the exit code is 1 when one is not current.
+are compared, and the exit code is 1 if one is out of date.
 """
 import argparse
 import json

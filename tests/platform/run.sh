@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: Apache-2.0
-# Makes a clean root of a Debian release and does there what a newcomer does.
+# Creates a clean root of a Debian release, and follows the steps of a newcomer there.
 #
 #   tests/platform/run.sh bookworm|trixie [--full | --check | --wire] [--mirror URL] [--cache DIR]
 #                         [--programs PRESET] [--keep]
@@ -8,20 +8,24 @@
 # Without a mode: the two commands of the README, ./deploy/demo.sh and ./tests/run.sh.
 #
 #   --full        .ci/run instead of ./tests/run.sh
-#   --wire        what .ci/run does for the other Debian: builds idl/ and its unit tests by its clang with warnings
-#                 as errors, against its DDS library, and runs these tests
-#   --check       what --nightly does for the other Debian: builds the preset quick by its clang with warnings as
-#                 errors, runs the unit tests, the manual's two examples, and the tests across (tests/across) with
-#                 the programs of this system
-#   --programs PRESET   which of them with --check: those in build/PRESET, default release
-#   --mirror URL  where packages come from, default that of debootstrap
+#   --wire        the part of .ci/run for the other Debian: builds idl/ and its unit tests with that
+#                 system's clang, with warnings as errors, against its DDS library, and runs these
+#                 tests
+#   --check       the part of --nightly for the other Debian: builds the preset quick with that
+#                 system's clang, with warnings as errors, runs the unit tests, the manual's two
+#                 examples, and the tests across systems (tests/across) with the programs of this
+#                 system
+#   --programs PRESET   the programs of this system for --check: those in build/PRESET, default
+#                       release
+#   --mirror URL  source of the packages, default that of debootstrap
 #   --cache DIR   keeps downloaded packages and compiled objects there; the root stays clean
-#   --keep        leaves the root where it is, and prints where
+#   --keep        keeps the root, and prints its path
 #
-# Needs root, debootstrap, and 5 GB in TMPDIR, more with --full. Mounts are in a namespace of this run, which
-# ends with it, and so does every process that it started. Standard output has a row for each step: release,
-# step, result, time; standard error has what the steps write. Exit code 0: every step passed; 77: nothing was
-# tried, because root or debootstrap is missing, or because tests/run.sh found no time for it; 2: wrong arguments.
+# Needs root, debootstrap, and 5 GB in TMPDIR, more with --full. Mounts are in a namespace of this
+# run, which ends with it, as does every process that it started. Standard output has a row for each
+# step: release, step, result, time; standard error has the output of the steps. Exit code 0: every
+# step passed; 77: skipped, because root or debootstrap is missing, or because tests/run.sh had no
+# time for it; 2: wrong arguments.
 set -euo pipefail
 
 tree=$(cd "$(dirname "${BASH_SOURCE[0]}")/../.." && pwd)
@@ -37,7 +41,7 @@ skip() {
   exit 77
 }
 
-# step NAME COMMAND...: runs it, and prints its row. The first failed one ends the run.
+# step NAME COMMAND...: runs the command and prints its row. The first failed step ends the run.
 step() {
   local name=$1 begin=$SECONDS result=passed
   shift
@@ -47,7 +51,7 @@ step() {
   [[ $result == passed ]]
 }
 
-# In the root, as its administrator: the environment of a login, and no more.
+# In the root as its administrator, with the environment of a login and nothing else.
 inside() {
   chroot "$root" /usr/bin/env -i HOME=/root TERM="${TERM:-dumb}" PATH=/usr/sbin:/usr/bin:/sbin:/bin LANG=C.UTF-8 \
     ${JOBS:+JOBS="$JOBS"} ${http_proxy:+http_proxy="$http_proxy"} ${https_proxy:+https_proxy="$https_proxy"} \
@@ -74,14 +78,14 @@ mount_in_root() {
   mount --bind "$cache/apt" "$root/var/cache/apt/archives"
 }
 
-# By clang, which takes a third of gcc's time; gcc builds the demo of the README. What calculates has the priority
-# of an idle machine, because tests with deadlines run beside it.
+# With clang, which takes a third of gcc's time; gcc builds the demo of the README. Compute-bound
+# work runs at idle priority, because tests with deadlines run at the same time.
 build_for_check() {
   inside "chrt --idle 0 ./deploy/build.sh --preset quick --tests -D VDRIVE_WARNINGS_AS_ERRORS=ON \
     -D VDRIVE_CHECK_PRESETS=OFF -D VDRIVE_BUILD_BENCHMARKS=OFF ${*/#/--target }"
 }
 
-# All that this run does, in its namespace.
+# Everything that this run does, in its namespace.
 steps() {
   step "root by debootstrap" make_root
   mount_in_root
@@ -141,7 +145,7 @@ fi
 root=$(mktemp -d "${TMPDIR:-/tmp}/vdrive-$release.XXXXXX")
 chmod 755 "$root"
 child=''
-# The namespace ends with its first process, and the mounts with it: then the root is only files.
+# The namespace and its mounts end with its first process; the root then consists only of files.
 clean_up() {
   if [[ -n $child ]]; then
     kill -KILL "$child" 2>/dev/null || true
@@ -158,7 +162,7 @@ trap 'exit 130' INT TERM HUP
 
 export -f step inside make_root mount_in_root build_for_check steps
 export tree release mode mirror cache programs root
-# In the background, because bash heeds a signal in `wait`, and not while a command runs.
+# In the background, because bash handles a signal during `wait`, but not while a command runs.
 unshare --mount --pid --fork --kill-child bash -euo pipefail -c steps &
 child=$!
 wait "$child"

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Mistakes in the call of run.sh, and deploy/setup.sh on a system whose packages it does not know."""
+"""Mistakes in calls of run.sh, and deploy/setup.sh on a system whose packages it does not know."""
 import os
 import pathlib
 import shutil

@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """--under-thread-sanitizer leaves out the tests that need DDS, whose library is not instrumented, and
-those that the sanitizer cannot run."""
+those that cannot run under the sanitizer."""
 pytest_plugins = ["pytester"]
 
 OPTION = "--under-thread-sanitizer"
