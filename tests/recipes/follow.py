@@ -161,8 +161,6 @@ RECIPES = [
         after(IDL, "uint32 fault_count;", "  uint32 scratch_count;"),
         instead("docs/reference/wire.md", "`ignored_set_points` and `fault_count` count",
                 "`ignored_set_points`, `fault_count` and `scratch_count` count"),
-        after("docs/reference/wire.md", "axes[0].fault_count = 0",
-              "0094  00 00 00 00              axes[0].scratch_count = 0"),
         instead("tests/core/status_digest_test.cpp", 'member.name == "fault_count")',
                 'member.name == "fault_count" ||\n'
                 '                  member.name == "scratch_count")')),
@@ -173,14 +171,13 @@ RECIPES = [
         after(EVENT_KINDS, "{EventKind::stopped,",
               '    {EventKind::scratch, "scratch", EventSeverity::info},'),
         after("docs/reference/wire.md", "| 19 | `EVENT_STOPPED`",
-              "| 20 | `EVENT_SCRATCH` | info | the bench | 0 | |")),
+              "| 20 | `EVENT_SCRATCH` | info | |")),
     Recipe(
         "A topic",
         before(IDL, "@final struct StatusFrame {",
                "@final struct Scratch {\n  @key uint32 bench;\n  uint64 tick;\n};\n"),
         after("docs/reference/wire.md", "| `bench_state` |",
-              "| `scratch` | Scratch | bench | best effort, volatile, keep last 1 | "
-              "service to anyone |"),
+              "| `scratch` | Scratch | bench | live |"),
         before(TOPICS, "TopicRow<msg::BenchState>",
                '    TopicRow<msg::Scratch>{"scratch", Publisher::service, '
                "{.instances = kBenchesInDomain}},"),
