@@ -39,42 +39,38 @@ COMMUNICATION_OBJECTS = [  # of CiA 301: those of a drive, and the two of node g
     "1011", "1014", "1015", "1016", "1017", "1018", "1019", "1020", "1029", "1200",
     *(f"{block}0{number}" for block in ("14", "16", "18", "1A") for number in range(4))]
 
-Row = collections.namedtuple("Row", "line identifier cells tests")
+ITEM = re.compile(r"- \*\*(\S+)\*\* (.*)")
+NAMES = re.compile(r"`[^`]+`(?:<br>`[^`]+`)*")
 
-
-def cells_of(line):
-    return [cell.strip() for cell in line.strip().strip("|").split("|")]
+Row = collections.namedtuple("Row", "line identifier text tests")
 
 
 def parse(text):
     """The rows of the page's tables, and the errors in their format."""
     rows, findings, header = [], [], None
     for number, line in enumerate(text.splitlines(), 1):
-        if not line.startswith("|"):
-            header = None
-            continue
-        cells = cells_of(line)
-        if header is None:
-            header = cells
-            continue
-        if header[0] != "id" or set("".join(cells)) <= set("-: "):
-            continue
-        place = f"line {number}, {cells[0]}"
-        if header[-1] != "held by" or len(cells) != len(header):
-            findings.append(f"{place}: {len(cells)} cells under the header {' | '.join(header)}")
-            continue
-        if not (NUMBERED.fullmatch(cells[0]) or OBJECT.fullmatch(cells[0])):
-            findings.append(f"{place}: this is no identifier")
-        tests = re.findall(r"`([^`]*)`", cells[-1])
-        rest = re.sub(r"`[^`]*`|<br>", "", cells[-1]).strip()
-        if rest:
-            findings.append(f"{place}: 'held by' has more than names in backticks: {rest}")
-        rows.append(Row(number, cells[0], dict(zip(header, cells)), tests))
+        item = ITEM.fullmatch(line)
+        tests = re.findall(r"`([^`]*)`", line)
+        if item:
+            if not (NUMBERED.fullmatch(item[1]) or OBJECT.fullmatch(item[1])):
+                findings.append(f"line {number}, {item[1]}: this is no identifier")
+            rows.append(Row(number, item[1], item[2], list(common)))
+            is_item = True
+        elif not line.startswith("  "):
+            is_item = False
+            if line:
+                common = tests if NAMES.fullmatch(line) else []
+        elif is_item and NAMES.fullmatch(line.strip()):
+            rows[-1] = rows[-1]._replace(tests=tests)
+        elif is_item and line.startswith("  `") and "<br>`" in line:
+            findings.append(f"line {number}, {rows[-1].identifier}: more than names in backticks: {line.strip()}")
+        elif is_item:
+            rows[-1] = rows[-1]._replace(text=f"{rows[-1].text} {line.strip()}")
     return rows, findings
 
 
 def expected_objects():
-    """Identifier -> the row of the page about the object, from the manual's table."""
+    """Identifier -> the name of the variable, from the manual's table."""
     with open(OBJECTS, encoding="utf-8", newline="") as file:
         rows = list(csv.DictReader(file))
     several = {row["index"] for row in rows if row["subindex"] != "0x00"}
@@ -83,14 +79,7 @@ def expected_objects():
         name = "O-" + row["index"][2:]
         if row["index"] in several:
             name += ":" + row["subindex"][2:]
-        objects[name] = {
-            "variable": row["variable_name"],
-            "type": row["data_type"],
-            "access": row["access"],
-            "stored": row["store_in_flash"],
-            "range": f"{row['lower_limit']} to {row['upper_limit']}",
-            "default": row["default_value"],
-        }
+        objects[name] = row["variable_name"]
     return objects
 
 
@@ -103,11 +92,9 @@ def check_objects_of_the_manual(rows):
             continue
         if row.identifier not in objects:
             findings.append(f"line {row.line}, {row.identifier}: not in the manual's table")
-            continue
-        for column, value in objects[row.identifier].items():
-            if row.cells.get(column) != value:
-                findings.append(f"line {row.line}, {row.identifier}: {column} is "
-                                f"{row.cells.get(column)}, in the manual's table {value}")
+        elif row.text != f"`{objects[row.identifier]}`":
+            findings.append(f"line {row.line}, {row.identifier}: the variable is {row.text}, "
+                            f"in the manual's table {objects[row.identifier]}")
     return findings
 
 
