@@ -14,27 +14,31 @@ import sys
 PAGE = pathlib.Path(__file__).resolve().parents[2] / "docs" / "reference" / "objects.md"
 HEAD = """# Objects
 
-The object dictionary of an axis, as `vdrive dictionary` prints it. Objects are defined in
-`core/include/vdrive/dictionary/object_table.hpp`; `tests/documents/object_page.py` writes this page.
+The object dictionary of an axis, as `vdrive dictionary` prints it; `tests/documents/object_page.py` writes this page.
+Objects of the manual of the profile position mode are bold, vdrive adds the others.
 
-- *stored*: `vdrive store` keeps the value. *effective*: when an accepted write takes effect in the drive.
-- *origin*: `manual` is the manual of the profile position mode, `companion` an object that vdrive adds.
+- *access*: RO read only, RW writable; *stored*: `vdrive store` keeps the value. A write takes effect immediately;
+  *at set-point*: with the next set-point; *at enable*: with the next transition to Operation enabled.
+- *range*: empty if it is that of the type.
 
-| object | variable name | type | access | range | default | unit | stored | effective | origin |
-| --- | --- | --- | --- | --- | --- | --- | --- | --- | --- |
+| object | variable name | type | access | default [unit] | range |
+|---|---|---|---|---|---|
 """
 
 
 DISTURBANCES = """
 ## Disturbances
 
-The effects of the test-bench inputs on an axis, as `vdrive disturb --help` prints them. They are defined in
-`clients/include/vdrive/client/disturbance.hpp`. 605Eh selects how the axis stops in a fault; the fault can be reset
-once its input is 0.
+The effects of the test-bench inputs, as `vdrive disturb --help` prints them. 605Eh selects how the axis stops in a
+fault; the fault can be reset once its input is 0.
 
 | `vdrive disturb` | effect on the axis |
-| --- | --- |
+|---|---|
 """
+
+RANGES = {"UNS8": (0, 2**8 - 1), "UNS16": (0, 2**16 - 1), "UNS32": (0, 2**32 - 1),
+          "INTEGER8": (-2**7, 2**7 - 1), "INTEGER16": (-2**15, 2**15 - 1), "INTEGER32": (-2**31, 2**31 - 1)}
+MOMENTS = {"immediately": "", "read_only": "", "at_set_point": ", at set-point", "at_enable": ", at enable"}
 
 
 def disturbances_of(help_text):
@@ -51,11 +55,14 @@ def disturbances_of(help_text):
 
 
 def row_of(row):
-    address = f"{int(row['index'], 16):04X}h:{row['subindex']:02X}"
-    return (f"| {address} | `{row['variable_name'] if 'variable_name' in row else row['name']}` | "
-            f"{row['type']} | {row['access']} | {row['lower_limit']} to {row['upper_limit']} | "
-            f"{row['default']} | {row['units']} | {'yes' if row['stored'] else ''} | "
-            f"{row['effective']} | {row['origin']} |\n")
+    address = f"{int(row['index'], 16):04X}h" + (f":{row['subindex']:02X}" if row["subindex"] else "")
+    if row["origin"] == "manual":
+        address = f"**{address}**"
+    access = row["access"] + (", stored" if row["stored"] else "") + MOMENTS[row["effective"]]
+    unit = "" if row["units"] == "-" else f" [{row['units']}]"
+    limits = (row["lower_limit"], row["upper_limit"])
+    span = "" if limits == RANGES[row["type"]] else f"{limits[0]} to {limits[1]} "
+    return f"| {address} | `{row['name']}` | {row['type']} | {access} | {row['default']}{unit} | {span}|\n"
 
 
 def main():

@@ -61,7 +61,7 @@ inline constexpr std::array kDisturbances{
     DisturbanceRow{Disturbance::negative_limit, "negative_limit", "test_negative_limit_input",
                    ErrorCode::none, "stops a motion in negative direction; bit 0 of 60FDh"},
     DisturbanceRow{Disturbance::home_switch, "home_switch", "test_home_input", ErrorCode::none,
-                   "the switch that homing looks for; bit 2 of 60FDh"},
+                   "the home switch for homing; bit 2 of 60FDh"},
     DisturbanceRow{Disturbance::index_pulse, "index_pulse", "test_index_pulse_input",
                    ErrorCode::none, "a rising edge is an index mark for homing"},
     DisturbanceRow{Disturbance::connection_loss, "connection_loss", "test_connection_loss",
@@ -69,8 +69,8 @@ inline constexpr std::array kDisturbances{
                    "a rising edge is the loss of the master: immediately in Operation enabled and "
                    "Quick stop active if 6007h is 1; 0, 2 and 3 select another reaction"},
     DisturbanceRow{Disturbance::power_drop, "power_drop", "test_power_drop", ErrorCode::none,
-                   "a rising edge takes Operation enabled to Switched on; the axis coasts until a "
-                   "controlword enables it again"},
+                   "a rising edge changes Operation enabled to Switched on; the axis coasts until "
+                   "a controlword enables it again"},
     DisturbanceRow{Disturbance::frozen_feedback, "frozen_feedback", "test_frozen_feedback",
                    ErrorCode::none,
                    "reported positions are frozen and velocities are 0; the axis itself continues "
