@@ -119,10 +119,10 @@ ExitCode run_reported(std::vector<std::string> arguments,
   } catch (const UsageError& error) {
     return report_usage(error.what(), is_json, terminal);
   } catch (const NotRun& error) {
-    terminal.complain(std::string("vdrive: ") + error.what());
+    terminal.print_error(std::string("vdrive: ") + error.what());
     return ExitCode::not_run;
   } catch (const std::exception& error) {
-    terminal.complain(std::string("vdrive: ") + error.what());
+    terminal.print_error(std::string("vdrive: ") + error.what());
     return ExitCode::failed;
   }
 }
@@ -134,7 +134,7 @@ ExitCode run_tool(std::vector<std::string> arguments, const std::shared_ptr<wire
   const ExitCode code = run_reported(std::move(arguments), bus, terminal);
   const auto failure = terminal.write_failure();
   if (!failure) return code;
-  terminal.complain("vdrive: " + *failure);
+  terminal.print_error("vdrive: " + *failure);
   return code == ExitCode::ok ? ExitCode::failed : code;
 }
 

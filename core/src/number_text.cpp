@@ -93,12 +93,12 @@ std::string times(std::string_view digits, unsigned factor) {
 }
 
 /// The absolute value of a decimal number, split at the decimal point.
-struct Parted {
+struct SplitDecimal {
   std::optional<std::uint64_t> whole;  ///< nothing if it does not fit in 64 bits
   bool has_fraction = false;
 };
 
-Parted parted(const Decimal& number) {
+SplitDecimal parted(const Decimal& number) {
   const auto count = static_cast<std::int64_t>(number.digits.size());
   const std::int64_t places = count + number.exponent;  // before the point
   if (number.digits.empty()) return {.whole = 0};
@@ -157,7 +157,7 @@ IntegerReading read_integer(std::string_view text) {
   if (has_hex_prefix(text)) return read_hex(text.substr(2));
   if (text.empty() || decimal_length(text) != text.size()) return {};
   const Decimal number = decimal_of(text);
-  const Parted parts = parted(number);
+  const SplitDecimal parts = parted(number);
   if (parts.has_fraction) return {.kind = IntegerKind::fraction};
   constexpr std::uint64_t kLargest{std::numeric_limits<std::int64_t>::max()};
   if (!parts.whole || *parts.whole > kLargest + (number.is_negative ? 1 : 0)) {
@@ -204,7 +204,7 @@ std::optional<std::chrono::nanoseconds> parse_duration(std::string_view text) {
     number.exponent += static_cast<std::int64_t>(number.digits.size() - 1 - last);
     number.digits.resize(last + 1);
   }
-  const Parted parts = parted(number);
+  const SplitDecimal parts = parted(number);
   constexpr std::uint64_t kMost{std::chrono::nanoseconds(kLongestDuration).count()};
   if (!parts.whole || *parts.whole > kMost) return std::nullopt;
   if (*parts.whole == kMost && parts.has_fraction) return std::nullopt;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a comparison of two journals finds.
+// The findings of a comparison of two journals.
 #include "support/journal_comparison.hpp"
 
 #include "journal/journal_file.hpp"

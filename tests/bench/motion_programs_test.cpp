@@ -44,7 +44,8 @@ constexpr int kSteps = 12;
 constexpr std::int32_t kReach = 3'000;  // the farthest target from 0
 constexpr double kRate = 10.0;          // drive time over real time
 
-/// What the program knows of an axis beyond its status, which is enough to predict how a call ends.
+/// The program's knowledge of an axis beyond its status, which is enough to predict how a call
+/// ends.
 struct Known {
   bool is_enabled = false;
   bool runs = false;       ///< at a velocity or torque, without an end

@@ -49,7 +49,7 @@ class ProgramLog {
   std::ostringstream text_;
 };
 
-/// @return the first line in which two logs differ, after the lines before it; empty = none.
+/// @return the first line in which two logs differ, after the preceding lines; empty = none.
 [[nodiscard]] std::string difference_of(const std::string& one, const std::string& other);
 
 /// A random program of two sessions in one thread, reproducible from its seed. Its single-axis

@@ -148,7 +148,7 @@ std::string wrong_in(const Registers& registers) {
   return {};
 }
 
-/// Checks whether CiA 301 permits an accepted write in the state before it.
+/// Checks whether CiA 301 permits an accepted write in the previous state.
 /// @return the violation; empty if there is none.
 std::string wrong_write(const Registers& before, ObjectAddress object, std::uint32_t value) {
   const bool is_changed = before.at(object) != value;

@@ -19,15 +19,15 @@ using std::chrono::microseconds;
 
 constexpr microseconds kPeriod{1000};
 
-AxisWay way(double distance, const MotionLimits& limits) {
+AxisDistance way(double distance, const MotionLimits& limits) {
   return {.distance = distance, .limits = limits};
 }
 
 /// The ways of a failing case as an initialiser to paste into a test.
-std::string ways_text(const std::vector<AxisWay>& ways) {
+std::string ways_text(const std::vector<AxisDistance>& ways) {
   std::ostringstream text;
   text << std::setprecision(17) << "const std::vector<AxisWay> ways{";
-  for (const AxisWay& each : ways) {
+  for (const AxisDistance& each : ways) {
     text << "{.distance = " << each.distance << ", .limits = {" << each.limits.velocity << ", "
          << each.limits.acceleration << ", " << each.limits.deceleration << "}, .jerk = {"
          << each.jerk.acceleration << ", " << each.jerk.deceleration << "}}, ";
@@ -81,21 +81,22 @@ TEST(LineTimes, GrowByTheJerkTimeOfTheRamps) {
   // With 200000 UU/s³ the acceleration takes 50 ms to reach 10000 UU/s², and each ramp lasts that
   // much longer. The way is 1000 UU at 1000 UU/s. The second axis does not limit the path.
   const MotionLimits limits{.velocity = 1000, .acceleration = 10'000, .deceleration = 10'000};
-  const std::vector ways{AxisWay{.distance = 1000, .limits = limits, .jerk = {200'000, 200'000}},
-                         way(100, {.velocity = 1e6, .acceleration = 1e9, .deceleration = 1e9})};
+  const std::vector ways{
+      AxisDistance{.distance = 1000, .limits = limits, .jerk = {200'000, 200'000}},
+      way(100, {.velocity = 1e6, .acceleration = 1e9, .deceleration = 1e9})};
   const auto times = plan_line(ways, kPeriod);
   ASSERT_TRUE(times);
   EXPECT_EQ(times->jerk, microseconds{50'000});
   EXPECT_EQ(times->acceleration, microseconds{150'000});
   EXPECT_EQ(times->deceleration, microseconds{150'000});
   EXPECT_NEAR(static_cast<double>(times->duration.count()), 1'150'000, 1'000);
-  for (const AxisWay& each : ways) EXPECT_TRUE(keeps_limits(each, *times));
+  for (const AxisDistance& each : ways) EXPECT_TRUE(keeps_limits(each, *times));
 }
 
 TEST(LineTimes, OfAShortDistanceFollowFromTheJerkAlone) {
   // Four phases of T with 2·J·T³ = 2 UU: T = 0.1 s at 1000 UU/s³.
   const MotionLimits limits{.velocity = 100, .acceleration = 200, .deceleration = 200};
-  const std::vector ways{AxisWay{.distance = 2, .limits = limits, .jerk = {1'000, 1'000}}};
+  const std::vector ways{AxisDistance{.distance = 2, .limits = limits, .jerk = {1'000, 1'000}}};
   const auto times = plan_line(ways, kPeriod);
   ASSERT_TRUE(times);
   EXPECT_NEAR(static_cast<double>(times->jerk.count()), 100'000, 1);
@@ -109,7 +110,7 @@ TEST(LineTimes, KeepTheJerkOfEveryAxis) {
     return std::pow(10.0, std::uniform_real_distribution<double>(low, high)(random));
   };
   for (int run = 0; run < 5'000; ++run) {
-    std::vector<AxisWay> ways;
+    std::vector<AxisDistance> ways;
     for (int axis = 0; axis < 4; ++axis) {
       ways.push_back({.distance = std::floor(magnitude(0, 6)) + 0.5,
                       .limits = {.velocity = std::floor(magnitude(3, 6)),
@@ -119,7 +120,8 @@ TEST(LineTimes, KeepTheJerkOfEveryAxis) {
     }
     const auto times = plan_line(ways, kPeriod);
     ASSERT_TRUE(times) << ways_text(ways);
-    for (const AxisWay& each : ways) ASSERT_TRUE(keeps_limits(each, *times)) << ways_text(ways);
+    for (const AxisDistance& each : ways)
+      ASSERT_TRUE(keeps_limits(each, *times)) << ways_text(ways);
     ASSERT_GE(times->acceleration, 2 * times->jerk) << ways_text(ways);
     ASSERT_GE(times->deceleration, 2 * times->jerk) << ways_text(ways);
     ASSERT_GE(times->duration, times->acceleration + times->deceleration) << ways_text(ways);
@@ -159,7 +161,7 @@ TEST(LineTimes, OfALineInMotionKeepTheLimitsOfEveryAxis) {
     return std::pow(10.0, std::uniform_real_distribution<double>(low, high)(random));
   };
   for (int run = 0; run < 5'000; ++run) {
-    std::vector<AxisWay> ways;
+    std::vector<AxisDistance> ways;
     for (int axis = 0; axis < 4; ++axis) {
       ways.push_back({.distance = std::floor(magnitude(0, 6)),
                       .limits = {.velocity = std::floor(magnitude(3, 6)),
@@ -169,7 +171,7 @@ TEST(LineTimes, OfALineInMotionKeepTheLimitsOfEveryAxis) {
     }
     const auto moving = plan_moving_line(ways);
     ASSERT_TRUE(moving) << ways_text(ways);
-    for (AxisWay stretched : ways) {
+    for (AxisDistance stretched : ways) {
       stretched.distance *= moving->stretch;
       ASSERT_LE(stretched.distance, 4294967295.0) << ways_text(ways);
       ASSERT_TRUE(keeps_limits(stretched, moving->times)) << ways_text(ways);
@@ -218,11 +220,11 @@ TEST(LineTimes, AreMissingBeyondTheRangeOfTheObject) {
 
 /// The duration without rounding, derived in another way: along the shared path, with the smallest
 /// limits of all axes.
-double ideal_seconds(const std::vector<AxisWay>& ways) {
+double ideal_seconds(const std::vector<AxisDistance>& ways) {
   double velocity = 1e300;
   double acceleration = 1e300;
   double deceleration = 1e300;
-  for (const AxisWay& each : ways) {
+  for (const AxisDistance& each : ways) {
     if (each.distance == 0) continue;
     velocity = std::min(velocity, each.limits.velocity / each.distance);
     acceleration = std::min(acceleration, each.limits.acceleration / each.distance);
@@ -243,7 +245,7 @@ TEST(LineTimes, NeverExceedALimitAndLastOneTickLongerThanTheIdealAtMost) {
   for (int run = 0; run < 20'000; ++run) {
     const auto count = std::uniform_int_distribution<std::size_t>(1, 64)(random);
     const microseconds period{std::uniform_int_distribution<int>(125, 10'000)(random)};
-    std::vector<AxisWay> ways;
+    std::vector<AxisDistance> ways;
     for (std::size_t axis = 0; axis < count; ++axis) {
       ways.push_back(
           way(std::floor(magnitude(-0.5, run % 2 == 0 ? 9 : 6)) + (axis % 2 == 0 ? 0.5 : 0.0),
@@ -258,7 +260,7 @@ TEST(LineTimes, NeverExceedALimitAndLastOneTickLongerThanTheIdealAtMost) {
       continue;
     }
     ++planned;
-    for (const AxisWay& each : ways) {
+    for (const AxisDistance& each : ways) {
       ASSERT_TRUE(each.distance == 0 || keeps_limits(each, *times)) << "run " << run;
     }
     ASSERT_GE(times->duration, times->acceleration + times->deceleration);

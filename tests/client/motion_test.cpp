@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What makes a Motion, or a call that waits, fail; of competing motions one succeeds.
+// Causes that make a Motion, or a call that waits, fail; of competing motions one succeeds.
 #include "client/objects.hpp"
 #include "support/bench_on_wire.hpp"
 #include "vdrive/client/axis.hpp"
@@ -71,8 +71,8 @@ struct Deed {
   std::string cause{};  ///< in the message of the motion; empty = the motion continues
 };
 
-std::ostream& operator<<(std::ostream& out, const Deed& deed) {
-  return out << deed.name;
+std::ostream& operator<<(std::ostream& out, const Deed& result_record) {
+  return out << result_record.name;
 }
 
 SetPointFrame frame_of(SetPoint point) {
@@ -343,25 +343,25 @@ const std::vector<Deed> kDeeds{
 class OneMotion : public MotionOfAnAxis, public testing::WithParamInterface<Deed> {};
 
 TEST_P(OneMotion, EndsByWhatComesAfterItAndSaysByWhat) {
-  const Deed& deed = GetParam();
+  const Deed& result_record = GetParam();
   const Motion motion = moving();
-  deed.run(session_, axis_, others_);
-  const bool is_taken = deed.cause.find("taken the axis") != std::string::npos;
+  result_record.run(session_, axis_, others_);
+  const bool is_taken = result_record.cause.find("taken the axis") != std::string::npos;
   // By then everything that the deed has started is over. A master that is silent for that long
   // loses its axis.
   session_.step(1, is_taken ? 50 : 5'000).outcome().or_throw();
   const auto ended = motion.has_ended();
   const Outcome waited = motion.wait();
-  if (deed.cause.empty()) {
+  if (result_record.cause.empty()) {
     EXPECT_TRUE(ended && *ended) << ended.outcome().message();
     EXPECT_TRUE(waited) << waited.message();
     EXPECT_EQ(axis_.status()->status.position_demand_value, kFar);
     return;
   }
   EXPECT_EQ(waited.kind(), is_taken ? OutcomeKind::refused : OutcomeKind::failed);
-  EXPECT_THAT(waited.message(), HasSubstr(deed.cause));
+  EXPECT_THAT(waited.message(), HasSubstr(result_record.cause));
   ASSERT_FALSE(ended);
-  EXPECT_THAT(ended.outcome().message(), HasSubstr(deed.cause));
+  EXPECT_THAT(ended.outcome().message(), HasSubstr(result_record.cause));
 }
 
 INSTANTIATE_TEST_SUITE_P(Deeds, OneMotion, testing::ValuesIn(kDeeds), [](const auto& row) {

@@ -45,8 +45,8 @@ TEST(SearchTime, EndsOnAMachineThatStandsStill) {
 }
 
 TEST(SettlingSearch, EndsOnceNoFurtherBenchComes) {
-  Settling sut(kSearchBegin);
-  const Sight one{.present = 1, .participants = 1, .services = 1};
+  SearchCompletion sut(kSearchBegin);
+  const SearchFindings one{.present = 1, .participants = 1, .services = 1};
   EXPECT_FALSE(sut.has_ended({}, kSearchBegin));
   EXPECT_FALSE(sut.has_ended(one, kSearchBegin + 10ms));
   EXPECT_FALSE(sut.has_ended(one, kSearchBegin + 159ms));
@@ -54,11 +54,11 @@ TEST(SettlingSearch, EndsOnceNoFurtherBenchComes) {
 }
 
 TEST(SettlingSearch, LooksAgainWhenItMayEnd) {
-  Settling sut(kSearchBegin);
+  SearchCompletion sut(kSearchBegin);
   const auto never = SearchClock::time_point::max();
   EXPECT_EQ(sut.next_end(kSearchBegin), never);
-  const Sight service{.participants = 1, .services = 1, .undescribed = 1};
-  const Sight bench{.present = 1, .participants = 1, .services = 1};
+  const SearchFindings service{.participants = 1, .services = 1, .undescribed = 1};
+  const SearchFindings bench{.present = 1, .participants = 1, .services = 1};
   EXPECT_FALSE(sut.has_ended(service, kSearchBegin + 4ms));
   EXPECT_FALSE(sut.has_ended(bench, kSearchBegin + 10ms));
   EXPECT_EQ(sut.next_end(kSearchBegin + 10ms), kSearchBegin + 154ms);   // 150 ms after the service
@@ -67,16 +67,16 @@ TEST(SettlingSearch, LooksAgainWhenItMayEnd) {
 }
 
 TEST(SettlingSearch, WaitsForAServiceThatHasNotShownItsBench) {
-  Settling sut(kSearchBegin);
-  const Sight first{.present = 1, .participants = 2, .services = 2, .undescribed = 1};
+  SearchCompletion sut(kSearchBegin);
+  const SearchFindings first{.present = 1, .participants = 2, .services = 2, .undescribed = 1};
   EXPECT_FALSE(sut.has_ended(first, kSearchBegin + 10ms));
   EXPECT_FALSE(sut.has_ended(first, kSearchBegin + 1900ms));
-  const Sight both{.present = 2, .participants = 2, .services = 2};
+  const SearchFindings both{.present = 2, .participants = 2, .services = 2};
   EXPECT_TRUE(sut.has_ended(both, kSearchBegin + 1910ms));
 }
 
 TEST(SettlingSearch, DoesNotEndWithoutABench) {
-  Settling sut(kSearchBegin);
+  SearchCompletion sut(kSearchBegin);
   EXPECT_FALSE(sut.has_ended({.participants = 1, .services = 1}, kSearchBegin));
   EXPECT_FALSE(sut.has_ended({.participants = 1, .services = 1}, kSearchBegin + 1h));
 }

@@ -2,7 +2,7 @@
 // The parts of a session that several threads use: wake-ups, unanswered messages, held axes.
 #include "base/wakeup.hpp"
 #include "exchange/bench_links.hpp"
-#include "exchange/holdings.hpp"
+#include "exchange/held_axes.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -204,8 +204,8 @@ msg::CommandReply refusal(const BenchKey& key, std::uint64_t sequence, msg::Reas
   return reply;
 }
 
-TEST(Holdings, NumberTheFramesOfEachRunFromOne) {
-  Holdings sut(99);
+TEST(HeldAxes, NumberTheFramesOfEachRunFromOne) {
+  HeldAxes sut(99);
   EXPECT_EQ(sut.last_sequence(kBench), 0U);
   EXPECT_EQ(sut.next_frame(kBench).sequence_number, 1U);
   EXPECT_EQ(sut.next_frame(kBench).sequence_number, 2U);
@@ -214,8 +214,8 @@ TEST(Holdings, NumberTheFramesOfEachRunFromOne) {
   EXPECT_EQ(sut.next_frame(kNextRun).sequence_number, 1U);
 }
 
-TEST(Holdings, PutSessionRunAndEpochIntoAFrame) {
-  Holdings sut(99);
+TEST(HeldAxes, PutSessionRunAndEpochIntoAFrame) {
+  HeldAxes sut(99);
   sut.note_acquired(kBench, kAxes, 5, true);
   const msg::CommandFrame frame = sut.next_frame(kBench);
   EXPECT_EQ(frame.session, 99U);
@@ -224,8 +224,8 @@ TEST(Holdings, PutSessionRunAndEpochIntoAFrame) {
   EXPECT_EQ(frame.epoch, 5U);
 }
 
-TEST(Holdings, LoseControlOnlyByARefusedFrameOfThePresentEpoch) {
-  Holdings sut(99);
+TEST(HeldAxes, LoseControlOnlyByARefusedFrameOfThePresentEpoch) {
+  HeldAxes sut(99);
   (void)sut.next_frame(kBench);  // 1: of the previous epoch
   sut.note_acquired(kBench, kAxes, 5, true);
   (void)sut.next_frame(kBench);  // 2
@@ -238,15 +238,15 @@ TEST(Holdings, LoseControlOnlyByARefusedFrameOfThePresentEpoch) {
   EXPECT_THAT(sut.to_keep_alive(), IsEmpty());
 }
 
-TEST(Holdings, NeedKeepAlivesForHeldAxesUnderAWallClock) {
-  Holdings sut(99);
+TEST(HeldAxes, NeedKeepAlivesForHeldAxesUnderAWallClock) {
+  HeldAxes sut(99);
   sut.note_acquired(kBench, kAxes, 5, true);
   sut.note_acquired(kOtherBench, kAxes, 1, false);
   EXPECT_THAT(sut.to_keep_alive(), ElementsAre(kBench));
   EXPECT_EQ(sut.next_keep_alive(kBench)->sequence_number, 1U);
   EXPECT_FALSE(sut.next_keep_alive(kNextRun)) << "another run has the number";
-  EXPECT_THAT(sut.drop_all(),
-              ElementsAre(Field(&GivenBack::key, kBench), Field(&GivenBack::key, kOtherBench)));
+  EXPECT_THAT(sut.drop_all(), ElementsAre(Field(&ReleasedAxes::key, kBench),
+                                          Field(&ReleasedAxes::key, kOtherBench)));
   EXPECT_THAT(sut.to_keep_alive(), IsEmpty());
   EXPECT_THAT(sut.drop_all(), IsEmpty());
 }
@@ -273,7 +273,7 @@ class RunningAxes : public testing::Test {
 
   void see(const AxisSnapshot& axis) { sut.note_seen(kBench, {&axis, 1}); }
 
-  Holdings sut{7};
+  HeldAxes sut{7};
   std::array<std::uint16_t, 1> first{1};
 };
 
@@ -316,8 +316,8 @@ TEST_F(RunningAxes, OfAnEarlierRunDoNotCount) {
   EXPECT_THAT(sut.drop(1)->kept, IsEmpty());
 }
 
-TEST(Holdings, AllowOneSendingThreadForEachBench) {
-  Holdings sut(99);
+TEST(HeldAxes, AllowOneSendingThreadForEachBench) {
+  HeldAxes sut(99);
   const auto sending = sut.lock_sending(1);
   std::jthread other([&sut] {
     EXPECT_FALSE(sut.try_lock_sending(1).owns_lock());

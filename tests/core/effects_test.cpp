@@ -770,7 +770,7 @@ struct ScriptRow {
   std::int64_t value;
 };
 
-/// Reset, enable, move, block, remove the power; each axis a little later than the one before.
+/// Reset, enable, move, block, remove the power; each axis a little later than the previous one.
 void write_script(AxisBank& bank, int tick) {
   const std::int64_t target = (tick % 7 - 3) * 40'000;
   for (const ScriptRow& row :

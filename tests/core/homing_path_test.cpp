@@ -222,7 +222,7 @@ const std::vector<PathRow> kLimitPaths{
     {18, kNoCam, -31'000, ">> P < .", 30'000, kAtCreep},
 };
 
-// The mark at which the axis starts does not count, nor the one just behind it: the next is a
+// The mark at which the axis starts does not count, nor the one just past it: the next is a
 // revolution away. While accelerating to creep speed the axis travels 3413² / (2 x 409600) = 14 UU,
 // so it passes the mark just ahead before that.
 const std::vector<PathRow> kIndexPaths{

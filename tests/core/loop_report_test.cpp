@@ -27,7 +27,7 @@ AxisConfiguration geared(std::int64_t numerator, std::int64_t denominator) {
   return configuration;
 }
 
-/// A lift: 0.1 kg.m2 behind a ten-to-one reduction gear, on a shaft of 2000 N.m/rad.
+/// A lift: 0.1 kg.m2 on the load side of a ten-to-one reduction gear, on a shaft of 2000 N.m/rad.
 AxisConfiguration lift() {
   AxisConfiguration configuration = geared(1, 10);
   configuration.model.coupling = Coupling::two_inertia;
@@ -51,7 +51,7 @@ TEST(LoopReport, OfTheDefaultAxisHasTheConfiguredBandwidthsAndNoRinging) {
 }
 
 TEST(LoopReport, HasTheReflectedInertiaOfTheGear) {
-  // 3e-4 kg.m2 at the load: a hundredth of it behind a reduction gear, a hundred times as much the
+  // 3e-4 kg.m2 at the load: a hundredth of it through a reduction gear, a hundred times as much the
   // other way.
   EXPECT_NEAR(examine_loops(geared(1, 10), kLoopPeriod).inertia_ratio, 1.01, 1e-9);
   EXPECT_NEAR(examine_loops(geared(10, 1), kLoopPeriod).inertia_ratio, 101.0, 1e-9);

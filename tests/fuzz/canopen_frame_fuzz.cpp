@@ -92,7 +92,7 @@ class FuzzedNode {
       case 3:
         return receive(pdo_frame());
       case 4:
-        return pass_time();
+        return advance_time();
       case 5:
         return change_drive();
       default:
@@ -196,7 +196,7 @@ class FuzzedNode {
     node_.complete(access.ticket, {.abort = abort, .value = object->default_value}, now_);
   }
 
-  void pass_time() {
+  void advance_time() {
     now_ += std::chrono::microseconds(bytes_.take<std::uint16_t>());
     const auto due = node_.next_due();
     if (due && *due < now_ && bytes_.below(2) == 0) node_.advance(*due);

@@ -19,7 +19,7 @@ namespace {
 using namespace vdrive::canopen;
 using vdrive::test::demand;
 
-/// What a session did with the bytes of a client.
+/// The calls of a session that received the bytes of a client.
 struct SessionLog final : SocketcandHost {
   void reply(std::string_view text) override { replies.emplace_back(text); }
 

@@ -40,14 +40,14 @@ TEST(Bench, HasTheRateOfItsClock) {
   EXPECT_EQ(Bench(drives.info(), {}).seen().rate, 2.0);
 }
 
-TEST(BenchNow, ConvertsBetweenUserUnitsAndTheUnitsOfRos) {
+TEST(BenchCycle, ConvertsBetweenUserUnitsAndTheUnitsOfRos) {
   FakeBench drives({"x", "y"});
   Bench bench(drives.info(), drives.joints());
   drives.axis(1).status.position_demand_value = -1500;
   drives.axis(1).status.velocity_demand_value = 250;
   drives.link(bench);
-  const BenchNow now{.bench = bench, .seen = bench.seen()};
-  const JointNow joint = now.joint(1);
+  const BenchCycle now{.bench = bench, .seen = bench.seen()};
+  const JointCycle joint = now.joint(1);
   EXPECT_EQ(joint.joint.label(), "joint y");
   EXPECT_DOUBLE_EQ(joint.demand().position, -1.5) << "a user unit is 0.001 rad";
   EXPECT_DOUBLE_EQ(joint.demand().velocity, 0.25);

@@ -21,7 +21,7 @@ struct Planned {
 
   Planned() { drives.enable(); }
 
-  JointNow now() {
+  JointCycle now() {
     return {.joint = joint,
             .axis = drives.axis(0),
             .limits = limits,
@@ -53,7 +53,7 @@ TEST(JointPlan, GoesToAPositionInTheModeOfPositionsAndHoldsIt) {
   const auto first = joint.plan.next_point(joint.now(), joint.drives.tick() + 1);
   EXPECT_EQ(first.mode, OperatingMode::cyclic_synchronous_position);
   for (int tick = 0; tick < 1'000 && joint.plan.streams(); ++tick) joint.step();
-  EXPECT_EQ(joint.plan.duty(), Duty::hold);
+  EXPECT_EQ(joint.plan.duty(), JointTask::hold);
   EXPECT_EQ(joint.drives.axis(0).status.position_demand_value, 100) << "0.1 rad of 0.001 rad";
   EXPECT_EQ(joint.plan.motion(joint.now(), joint.drives.tick()).position, 0.1);
   EXPECT_FALSE(joint.plan.go_to(joint.now(), 0.1)) << "it is there";
@@ -61,11 +61,11 @@ TEST(JointPlan, GoesToAPositionInTheModeOfPositionsAndHoldsIt) {
 
 TEST(JointPlan, ComesToRestBeforeItFollowsPositions) {
   Planned joint;
-  joint.plan.run(joint.now(), Duty::velocity, 1.0);
+  joint.plan.run(joint.now(), JointTask::velocity, 1.0);
   joint.drives.axis(0).status.velocity_demand_value = 1000;
   EXPECT_TRUE(joint.plan.moves_by_itself(joint.now()));
   EXPECT_FALSE(joint.plan.go_to(joint.now(), 0.1)) << "no position is sent yet";
-  EXPECT_EQ(joint.plan.duty(), Duty::settle);
+  EXPECT_EQ(joint.plan.duty(), JointTask::settle);
   EXPECT_FALSE(joint.plan.settles(joint.now()));
   const auto mode = joint.plan.mode_point(joint.now(), joint.drives.tick() + 20);
   ASSERT_TRUE(mode);
@@ -75,12 +75,12 @@ TEST(JointPlan, ComesToRestBeforeItFollowsPositions) {
   (void)joint.drives.take({{.axes = {*mode}}});
   joint.drives.step();
   EXPECT_TRUE(joint.plan.settles(joint.now()));
-  EXPECT_EQ(joint.plan.duty(), Duty::track);
+  EXPECT_EQ(joint.plan.duty(), JointTask::track);
 }
 
 TEST(JointPlan, SendsTheModeOfAVelocityFirstAndAgainWhereTheDriveDidNotTakeIt) {
   Planned joint;
-  EXPECT_FALSE(joint.plan.run(joint.now(), Duty::velocity, 1.5)) << "no velocity is sent yet";
+  EXPECT_FALSE(joint.plan.run(joint.now(), JointTask::velocity, 1.5)) << "no velocity is sent yet";
   const std::uint64_t reached = joint.drives.tick() + 3;
   const auto point = joint.plan.mode_point(joint.now(), reached);
   ASSERT_TRUE(point);
@@ -96,7 +96,7 @@ TEST(JointPlan, SendsTheModeOfAVelocityFirstAndAgainWhereTheDriveDidNotTakeIt) {
 
 TEST(JointPlan, RampsToAVelocityAndKeepsIt) {
   Planned joint;
-  joint.plan.run(joint.now(), Duty::velocity, 1.0);
+  joint.plan.run(joint.now(), JointTask::velocity, 1.0);
   joint.enter();
   const AxisStatus& shown = joint.drives.axis(0).status;
   std::int32_t last = 0;
@@ -111,18 +111,18 @@ TEST(JointPlan, RampsToAVelocityAndKeepsIt) {
   EXPECT_NEAR(ticks, 20, 1) << "1 rad/s by 0.05 rad/s a tick";
   joint.drives.step();
   EXPECT_EQ(joint.plan.check_end(joint.now()), JointPlan::End::reached);
-  EXPECT_FALSE(joint.plan.run(joint.now(), Duty::velocity, 1.0)) << "the drive has it";
+  EXPECT_FALSE(joint.plan.run(joint.now(), JointTask::velocity, 1.0)) << "the drive has it";
   EXPECT_FALSE(joint.plan.streams());
 }
 
 // 0.1 rad/s every 10 ms are 10 rad/s²: 10 units of 0.001 rad/s per tick.
 TEST(JointPlan, LeadsAStreamOfVelocitiesInAStraightLine) {
   Planned joint;
-  joint.plan.run(joint.now(), Duty::velocity, 0.1);
+  joint.plan.run(joint.now(), JointTask::velocity, 0.1);
   joint.enter();
   const AxisStatus& shown = joint.drives.axis(0).status;
   for (int command = 2; command <= 20; ++command) {
-    joint.plan.run(joint.now(), Duty::velocity, 0.1 * command);
+    joint.plan.run(joint.now(), JointTask::velocity, 0.1 * command);
     for (int tick = 0; tick < 10; ++tick) {
       const std::int32_t before = shown.velocity_demand_value;
       joint.step();
@@ -135,10 +135,10 @@ TEST(JointPlan, LeadsAStreamOfVelocitiesInAStraightLine) {
 
 TEST(JointPlan, ReachesAVelocityThatIsRepeated) {
   Planned joint;
-  joint.plan.run(joint.now(), Duty::velocity, 1.0);
+  joint.plan.run(joint.now(), JointTask::velocity, 1.0);
   joint.enter();
   for (int tick = 0; tick < 30; ++tick) {
-    joint.plan.run(joint.now(), Duty::velocity, 1.0);
+    joint.plan.run(joint.now(), JointTask::velocity, 1.0);
     if (joint.plan.streams()) joint.step();
   }
   EXPECT_EQ(joint.drives.axis(0).status.velocity_demand_value, 1'000);
@@ -147,7 +147,7 @@ TEST(JointPlan, ReachesAVelocityThatIsRepeated) {
 
 TEST(JointPlan, RampsToAnEffortInThousandthsOfTheRatedTorque) {
   Planned joint;
-  joint.plan.run(joint.now(), Duty::effort, -1.5);
+  joint.plan.run(joint.now(), JointTask::effort, -1.5);
   joint.enter();
   EXPECT_EQ(joint.drives.axis(0).mode(), OperatingMode::cyclic_synchronous_torque);
   const AxisStatus& shown = joint.drives.axis(0).status;
@@ -164,17 +164,17 @@ TEST(JointPlan, RampsToAnEffortInThousandthsOfTheRatedTorque) {
 TEST(JointPlan, BrakesWhatVelocityOrEffortMoveAndNothingElse) {
   Planned joint;
   EXPECT_FALSE(joint.plan.brake_free());
-  joint.plan.run(joint.now(), Duty::velocity, 0.0);
+  joint.plan.run(joint.now(), JointTask::velocity, 0.0);
   EXPECT_FALSE(joint.plan.brake_free()) << "it rests";
-  joint.plan.run(joint.now(), Duty::effort, 1.0);
+  joint.plan.run(joint.now(), JointTask::effort, 1.0);
   EXPECT_TRUE(joint.plan.brake_free());
-  EXPECT_EQ(joint.plan.duty(), Duty::velocity);
+  EXPECT_EQ(joint.plan.duty(), JointTask::velocity);
   EXPECT_TRUE(joint.plan.is_entering()) << "the drive brakes when its mode changes";
 }
 
 TEST(JointPlan, BrakesAVelocityOnItsRamp) {
   Planned joint;
-  joint.plan.run(joint.now(), Duty::velocity, 1.0);
+  joint.plan.run(joint.now(), JointTask::velocity, 1.0);
   joint.enter();
   while (joint.plan.streams()) joint.step();
   EXPECT_TRUE(joint.plan.brake_free());
@@ -188,7 +188,7 @@ TEST(JointPlan, BrakesAVelocityOnItsRamp) {
 
 TEST(JointPlan, BrakesOnceWithoutACommandInTime) {
   Planned joint;
-  joint.plan.run(joint.now(), Duty::velocity, 1.0);
+  joint.plan.run(joint.now(), JointTask::velocity, 1.0);
   for (int tick = 0; tick < 100; ++tick) joint.drives.step();
   EXPECT_FALSE(joint.plan.brake_without_command(joint.now(), 0.1)) << "0.1 s are not over";
   joint.drives.step();
@@ -200,7 +200,7 @@ TEST(JointPlan, BrakesOnceWithoutACommandInTime) {
 
 TEST(JointPlan, GetsALastVelocityAgainThatTheDriveDoesNotFollow) {
   Planned joint;
-  joint.plan.run(joint.now(), Duty::velocity, 1.0);
+  joint.plan.run(joint.now(), JointTask::velocity, 1.0);
   joint.enter();
   for (int repeat = 0; repeat <= 8; ++repeat) {
     while (joint.plan.streams()) {
@@ -213,12 +213,12 @@ TEST(JointPlan, GetsALastVelocityAgainThatTheDriveDoesNotFollow) {
     ASSERT_EQ(joint.plan.check_end(joint.now()), expected) << repeat;
     if (expected == JointPlan::End::refused) joint.plan.repeat_end(joint.now());
   }
-  EXPECT_TRUE(joint.plan.run(joint.now(), Duty::velocity, 1.0)) << "a command is tried again";
+  EXPECT_TRUE(joint.plan.run(joint.now(), JointTask::velocity, 1.0)) << "a command is tried again";
 }
 
 TEST(JointPlan, WritesAVelocityThatTheDriveHoldsBackOnlyWithACommand) {
   Planned joint;
-  joint.plan.run(joint.now(), Duty::velocity, 1.0);
+  joint.plan.run(joint.now(), JointTask::velocity, 1.0);
   joint.enter();
   while (joint.plan.streams()) joint.step();
   joint.drives.axis(0).status.velocity_demand_value = 0;
@@ -226,14 +226,14 @@ TEST(JointPlan, WritesAVelocityThatTheDriveHoldsBackOnlyWithACommand) {
   joint.drives.step();
   EXPECT_EQ(joint.plan.check_end(joint.now()), JointPlan::End::open);
   EXPECT_FALSE(joint.plan.streams());
-  EXPECT_TRUE(joint.plan.run(joint.now(), Duty::velocity, 1.0));
+  EXPECT_TRUE(joint.plan.run(joint.now(), JointTask::velocity, 1.0));
   EXPECT_TRUE(joint.plan.streams());
 }
 
 // The bench has overtaken the set-points and holds the velocity of the last one.
 TEST(JointPlan, LeadsOnFromTheVelocityThatTheDriveHolds) {
   Planned joint;
-  joint.plan.run(joint.now(), Duty::velocity, 1.0);
+  joint.plan.run(joint.now(), JointTask::velocity, 1.0);
   joint.enter();
   for (int tick = 0; tick < 10; ++tick) joint.step();
   const std::int32_t held = joint.drives.axis(0).status.velocity_demand_value;
@@ -249,7 +249,7 @@ TEST(JointPlan, WaitsForAModeThatIsShownAlreadyUntilItWasReached) {
   Planned joint;
   joint.drives.axis(0).status.op_mode_actual =
       static_cast<std::int8_t>(OperatingMode::cyclic_synchronous_velocity);
-  joint.plan.run(joint.now(), Duty::velocity, 1.0);
+  joint.plan.run(joint.now(), JointTask::velocity, 1.0);
   EXPECT_FALSE(joint.plan.settles(joint.now())) << "it was not sent";
   EXPECT_TRUE(joint.plan.mode_point(joint.now(), joint.drives.tick() + 2));
   joint.drives.step();
@@ -282,7 +282,7 @@ TEST(JointPlan, EndsATrajectoryThatTheBenchHasOvertaken) {
   EXPECT_EQ(joint.drives.axis(0).status.position_demand_value, 500) << "half of the line";
   joint.drives.count_from(joint.drives.tick() + 50);
   EXPECT_EQ(joint.plan.start_again(joint.now()), 7U);
-  EXPECT_EQ(joint.plan.duty(), Duty::hold);
+  EXPECT_EQ(joint.plan.duty(), JointTask::hold);
   EXPECT_EQ(joint.plan.motion(joint.now(), 0).position, 0.5);
 }
 

@@ -21,7 +21,7 @@ struct Streamed {
 
   Streamed() { drives.enable(); }
 
-  BenchNow now() {
+  BenchCycle now() {
     drives.link(bench);
     return {.bench = bench, .seen = bench.seen()};
   }
@@ -62,8 +62,8 @@ TEST(SetPointStream, FillsALargerWindowForATrajectory) {
 
 TEST(SetPointStream, SendsVelocityAndEffortOfAllJointsInOneFrame) {
   Streamed sut;
-  sut.plans[0].run(sut.now().joint(0), Duty::velocity, 1.0);
-  sut.plans[1].run(sut.now().joint(1), Duty::effort, 1.5);
+  sut.plans[0].run(sut.now().joint(0), JointTask::velocity, 1.0);
+  sut.plans[1].run(sut.now().joint(1), JointTask::effort, 1.5);
   const auto modes = sut.stream.modes(sut.now());
   ASSERT_THAT(modes, SizeIs(1));
   EXPECT_EQ(modes[0].tick, 0U) << "at once: no set-point is on its way";

@@ -467,7 +467,7 @@ TEST(Configuration, MayUseAnAliasForWhatSeveralAxesHave) {
   EXPECT_EQ(configuration.axes[1].configuration.parameters.at(0).value, 7);
 }
 
-// Each line refers ten times to the line before: 10^20 values.
+// Each line refers ten times to the previous line: 10^20 values.
 TEST(Configuration, WhoseAliasesMultiplyIsRefusedWithTheLimit) {
   std::string text = "l0: &l0 [" + std::string(10, '1') + "]\n";
   for (int level = 1; level <= 20; ++level) {

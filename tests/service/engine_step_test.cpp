@@ -294,7 +294,7 @@ TEST(StepRequest, TakesAStepperOffTheClockWhoseParticipantIsGone) {
   EXPECT_EQ(bench.counters.steppers.get(), 0U);
   const auto events = bench.events(msg::EventKind::clock_changed);
   ASSERT_EQ(events.size(), 2U);
-  EXPECT_EQ(events[1].detail, service::EventDetail{service::Parting::gone});
+  EXPECT_EQ(events[1].detail, service::EventDetail{service::StepperRemoval::gone});
 }
 
 TEST(StepRequest, IsAnsweredWithTheStatusOfTheRequestedAxes) {

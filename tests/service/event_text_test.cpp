@@ -87,7 +87,7 @@ TEST(EventWords, NameTheStepperThatLeavesTheClock) {
   EXPECT_EQ(words_of({.kind = msg::EventKind::clock_changed,
                       .session = 0xA11CE,
                       .code = wire::number(msg::RequestKind::leave_clock),
-                      .detail = Parting::left}),
+                      .detail = StepperRemoval::left}),
             "session 0x00000000000a11ce left the clock");
 }
 

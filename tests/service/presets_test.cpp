@@ -186,14 +186,14 @@ void start_move(AxisBank& bank, std::int32_t target) {
 }
 
 /// How the load comes to rest after the end of the demand.
-struct Settling {
+struct SearchCompletion {
   std::int64_t ticks = 0;   ///< until it stays within the window
   std::int64_t swings = 0;  ///< times that it left the window
 };
 
 /// Moves to `target`. A home switch (5E21h) around the target detects where the load is, which the
 /// motor's encoder does not.
-Settling settle_at(AxisBank& bank, std::int32_t target, std::int64_t window) {
+SearchCompletion settle_at(AxisBank& bank, std::int32_t target, std::int64_t window) {
   constexpr unsigned kHomeSwitch = 1U << 2U;  // of 60FDh
   put_value(bank, "test_switch_home"_object, target - window);
   put_value(bank, "test_switch_home_length"_object, 2 * window);
@@ -204,7 +204,7 @@ Settling settle_at(AxisBank& bank, std::int32_t target, std::int64_t window) {
   };
   for (int tick = 0; tick < kLongestMotion && !has_arrived(); ++tick) bank.step();
   EXPECT_TRUE(has_arrived()) << "at " << bank.status(0).position_demand_value << " of " << target;
-  Settling settling;
+  SearchCompletion settling;
   bool was_outside = false;
   for (int tick = 1; tick <= kWatched; ++tick) {
     bank.step();
@@ -253,8 +253,8 @@ TEST_P(Preset, MovesWithoutRingingAndSettlesInItsTime) {
   const std::int32_t far = far_target(bank);
   EXPECT_EQ(settle_at(bank, far, kSwing).ticks, 0) << "the load swings";
   EXPECT_EQ(settle_at(bank, 0, kSwing).ticks, 0) << "the load swings";
-  const Settling there = settle_at(bank, far, kNear);
-  const Settling back = settle_at(bank, 0, kNear);
+  const SearchCompletion there = settle_at(bank, far, kNear);
+  const SearchCompletion back = settle_at(bank, 0, kNear);
   RecordProperty("settling_ms", std::to_string(std::max(there.ticks, back.ticks)));
   EXPECT_LE(there.ticks, GetParam().settling_ms) << "ms behind the end of the demand";
   EXPECT_LE(back.ticks, GetParam().settling_ms) << "ms behind the end of the demand";

@@ -361,7 +361,7 @@ TEST(TerminatedService, BrakesItsAxesOnTheirRampAndDisablesThem) {
   const std::size_t begin = watched.first_axis().size();
   terminate(*service, probe, watched);
   const auto& seen = watched.first_axis();
-  // 40 000 UU/s at 80 000 UU/s2 take 500 ticks, none faster than the one before.
+  // 40 000 UU/s at 80 000 UU/s2 take 500 ticks, none faster than the previous one.
   std::size_t braking = 0;
   for (std::size_t sample = begin; sample < seen.size(); ++sample) {
     const auto speed = seen[sample].velocity_demand_value;

@@ -283,7 +283,7 @@ void Bench::after_tick() {
     happenings_.fail(Invariant::kCommanded, 0, "tick " + std::to_string(model_.tick()),
                      "tick " + std::to_string(image_.tick));
   }
-  look_at_probes();
+  evaluate_probes();
   if (happenings_.tick() % kRepeatEach == 0) check_repeat();
   model_.check_owners(image_.owners);
   take_parameters();
@@ -291,7 +291,7 @@ void Bench::after_tick() {
 }
 
 /// Checks one axis in each tick: checking all would take as long as the tick.
-void Bench::look_at_probes() {
+void Bench::evaluate_probes() {
   if (model_.was_restored()) {
     for (ProbeWatch& probe : probes_) probe.begin();
   }

@@ -139,7 +139,7 @@ class Bench {
   void cycle_lockstep();
   void step_by_request(service::Arrival& arrival);
   void after_tick();
-  void look_at_probes();
+  void evaluate_probes();
   void check_repeat();
   void take_images();
   void spoil(service::StatusImage& image);

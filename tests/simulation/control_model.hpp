@@ -44,7 +44,7 @@ struct Registers {
   }
 };
 
-/// Who commands which axis, and the fate of each message: an independent model of the promises of
+/// The owner of each axis, and the fate of each message: an independent model of the promises of
 /// docs/reference/wire.md, fed with what arrived. It predicts every answer, owner and register; the
 /// messages of the bench are compared with it.
 class ControlModel {

@@ -181,7 +181,7 @@ TEST(PlotPicture, FollowsTheSchemeOfTheViewerOnPaperOfItsOwn) {
 }
 
 TEST(PlotPicture, IsTheSameForTheSameTraces) {
-  const PlotFace face{.title = "x", .origin = 1'000};
+  const PlotStyle face{.title = "x", .origin = 1'000};
   EXPECT_EQ(plot_svg(faulted_traces(), face), plot_svg(faulted_traces(), face));
 }
 

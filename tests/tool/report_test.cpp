@@ -93,7 +93,7 @@ TEST(StatusText, DecodesTheStatusword) {
 
 TEST(StatusJson, OfAnAxisWithAUnitHasPositionAndVelocityInIt) {
   const client::Unit mm{.kind = client::UnitKind::linear, .name = "mm", .size = 1'000.0};
-  const Json json = status_json(moving_axis(), AxisFace{"y", mm});
+  const Json json = status_json(moving_axis(), AxisLabel{"y", mm});
   EXPECT_EQ(json["load_position_actual_value"], -500);
   EXPECT_EQ(json["unit"], "mm");
   EXPECT_EQ(json["position_in_unit"], -0.5);

@@ -42,7 +42,7 @@ TEST_F(Shell, ExecutesPipedLinesInOneSessionAndContinuesAfterErrors) {
               AllOf(HasSubstr("Operation enabled"), HasSubstr("\"owner\":null")));
 }
 
-// At 1000 UU/s² the velocity is reached after 100 s. The shell's session keeps the axis meanwhile.
+// At 1000 UU/s² the velocity is reached after 100 s. Until then the shell's session keeps the axis.
 TEST_F(Shell, LetsAnAxisGoOnWhoseVelocityTakesTooLong) {
   const Finished finished = call("shell",
                                  "enable 1.1\n"

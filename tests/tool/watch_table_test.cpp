@@ -41,9 +41,9 @@ client::Observation observation(std::uint16_t count) {
   return sample;
 }
 
-std::map<client::AxisId, AxisFace> faces_of(const client::Observation& sample,
-                                            const std::string& name) {
-  std::map<client::AxisId, AxisFace> faces;
+std::map<client::AxisId, AxisLabel> faces_of(const client::Observation& sample,
+                                             const std::string& name) {
+  std::map<client::AxisId, AxisLabel> faces;
   for (const client::AxisSnapshot& axis : sample.axes) faces[axis.id] = {name, {}};
   return faces;
 }

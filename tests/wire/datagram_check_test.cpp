@@ -549,7 +549,7 @@ TEST_F(Returned, ParticipantsWaitWithTheHeartbeatsOfAWriterUntilItWasAskedForEve
   EXPECT_TRUE(returned_.empty());
   returned_.announced(kSender, now_);
   EXPECT_TRUE(returned_.holds_back(kSender, kWriter, now_));
-  returned_.greeted(kSender, kWriter);
+  returned_.initial_acknack_sent(kSender, kWriter);
   EXPECT_FALSE(returned_.holds_back(kSender, kWriter, now_));
   EXPECT_TRUE(returned_.holds_back(kSender, kSubscriptionsWriter, now_ + 1'999ms));
   EXPECT_FALSE(returned_.holds_back(kSender, kSubscriptionsWriter, now_ + 2s));

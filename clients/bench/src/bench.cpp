@@ -178,7 +178,7 @@ class LocalWire final : public service::BenchWire {
   }
 
   /// No time: the bus already knows whether a number is taken.
-  [[nodiscard]] std::chrono::milliseconds time_to_meet_others() const noexcept override {
+  [[nodiscard]] std::chrono::milliseconds duplicate_detection_time() const noexcept override {
     return std::chrono::milliseconds{0};
   }
 

@@ -74,7 +74,7 @@ class ControlKeeper {
                                           Clock::time_point now);
 
  private:
-  /// What has been reported already and is not repeated.
+  /// The reports already made, which are not repeated.
   struct Reported {
     std::uint64_t owner = 0;  ///< session that control waits for; 0 = not waiting
     std::string refusal;

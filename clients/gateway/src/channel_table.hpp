@@ -31,7 +31,7 @@ class ChannelTable {
   /// The bench number of the gateway's own topics. No bench has it.
   static constexpr std::uint32_t kOwn = 0;
 
-  /// What is wrong with a subscription; empty = nothing.
+  /// The problem of a subscription; empty = none.
   using Problem = std::string;
 
   /// The most batches between the feeds and the server's thread.

@@ -14,7 +14,7 @@
 
 namespace vdrive::gateway {
 
-/// What a client needs in order to call a service.
+/// The right that a client needs in order to call a service.
 enum class Right : std::uint8_t {
   none,             ///< nothing
   events,           ///< as `none`; answered by EventLog

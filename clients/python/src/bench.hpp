@@ -2,9 +2,9 @@
 #pragma once
 
 #include "fork.hpp"
-#include "kept_in_thread.hpp"
 #include "private_bench.hpp"
 #include "python.hpp"
+#include "thread_owned.hpp"
 #include "vdrive/bench/bench.hpp"
 
 #include <cstdint>
@@ -57,7 +57,7 @@ class OwnBench {
   void wait_until_ready();
 
   const Origin origin_;
-  KeptInThread<process::PrivateBench> bench_;
+  ThreadOwned<process::PrivateBench> bench_;
 };
 
 }  // namespace vdrive::python

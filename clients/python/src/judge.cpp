@@ -58,9 +58,9 @@ py::tuple judge_journal(const std::string& path,
     throw py::value_error(path + " cannot be judged: " + result.problem);
   }
   judge::Verdict& verdict = result.verdict.verdict;
-  judge::ReportFace face{.source = path,
-                         .name_of = judge::axes_of_bench(result.verdict.bench),
-                         .notes = result.verdict.notes};
+  judge::ReportLabels face{.source = path,
+                           .name_of = judge::axes_of_bench(result.verdict.bench),
+                           .notes = result.verdict.notes};
   face.unused = judge::except(verdict, exceptions, face.name_of);
   py::list findings;
   for (const judge::Finding& finding : verdict.findings) {

@@ -5,9 +5,9 @@
 #include "errors.hpp"
 #include "fork.hpp"
 #include "interpreter_lock.hpp"
-#include "kept_in_thread.hpp"
 #include "private_bench.hpp"
 #include "python.hpp"
+#include "thread_owned.hpp"
 
 #include <cstdint>
 #include <memory>
@@ -54,7 +54,7 @@ class OwnProgram {
   }
 
   const Origin origin_;
-  KeptInThread<process::ChildProcess> program_;
+  ThreadOwned<process::ChildProcess> program_;
 };
 
 }  // namespace

@@ -61,8 +61,8 @@ void name_topics(RecordedBench& bench);
 /// case the ticks in between were not run and nothing is missing.
 struct Gap {
   std::uint32_t bench = 0;
-  std::uint64_t after = 0;   ///< tick of the sample before, 0 = the beginning is missing
-  std::uint64_t before = 0;  ///< tick of the sample after, 0 = the end is missing
+  std::uint64_t after = 0;   ///< tick of the previous sample, 0 = the beginning is missing
+  std::uint64_t before = 0;  ///< tick of the next sample, 0 = the end is missing
   std::uint64_t count = 0;   ///< missing samples, or ticks of the jump
 };
 

@@ -71,16 +71,16 @@ Bench::Wishes Bench::take_wishes() {
   return {.control = std::exchange(wishes_.control, std::nullopt), .limits = wishes_.limits};
 }
 
-JointMotion JointNow::demand() const noexcept {
+JointMotion JointCycle::demand() const noexcept {
   return {axis.status.position_demand_value * joint.si_per_user_unit,
           axis.status.velocity_demand_value * joint.si_per_user_unit, 0.0};
 }
 
-std::int32_t JointNow::user_units(double value) const noexcept {
+std::int32_t JointCycle::user_units(double value) const noexcept {
   return static_cast<std::int32_t>(std::llround(value / joint.si_per_user_unit));
 }
 
-JointNow BenchNow::joint(std::size_t place) const {
+JointCycle BenchCycle::joint(std::size_t place) const {
   ensure(seen.state && seen.limits, "a joint that is commanded has a state and limits");
   return {.joint = bench.joints()[place],
           .axis = seen.state->axes[place],

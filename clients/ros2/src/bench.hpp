@@ -21,7 +21,7 @@ namespace vdrive::ros2 {
 /// The wish of the commanding thread for the control of all axes of a bench.
 enum class ControlWish : std::uint8_t {
   take,       ///< as soon as they are free
-  leave,      ///< keep the axes held, take no more
+  leave,      ///< keep the axes held, take no further ones
   give_back,  ///< release the axes held
 };
 
@@ -93,7 +93,7 @@ class Bench {
 [[nodiscard]] std::string owner_text(std::uint64_t session, const Bench::Names* names);
 
 /// A joint in the newest tick of its bench, for the duration of a call.
-struct JointNow {
+struct JointCycle {
   const ServedJoint& joint;
   const client::AxisSnapshot& axis;
   const JointLimits& limits;
@@ -113,7 +113,7 @@ struct JointNow {
 };
 
 /// A bench in one cycle.
-struct BenchNow {
+struct BenchCycle {
   const Bench& bench;
   Bench::Seen seen{};
 
@@ -121,7 +121,7 @@ struct BenchNow {
 
   /// @return the joint at that place. Only if the joint can be commanded: there must be a state and
   ///         limits.
-  [[nodiscard]] JointNow joint(std::size_t place) const;
+  [[nodiscard]] JointCycle joint(std::size_t place) const;
 };
 
 }  // namespace vdrive::ros2

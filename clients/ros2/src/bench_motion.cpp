@@ -82,7 +82,7 @@ void BenchMotion::command(const JointCommand& command) {
   const std::size_t place = command.joint.place;
   JointPlan& plan = plans_[place];
   std::string problem = obstacle(place);
-  if (problem.empty() && plan.duty() == Duty::trajectory) problem = "follows a trajectory";
+  if (problem.empty() && plan.duty() == JointTask::trajectory) problem = "follows a trajectory";
   if (problem.empty()) {
     problem = problem_of(command, bench_.joints()[place], (*now_.seen.limits)[place]);
   }
@@ -90,13 +90,13 @@ void BenchMotion::command(const JointCommand& command) {
     warn(place, problem + ": the command is ignored");
     return;
   }
-  const JointNow joint = now_.joint(place);
+  const JointCycle joint = now_.joint(place);
   const bool ran = stream_.is_running();
   const bool is_velocity = command.interface == CommandInterface::velocity;
   const bool begins =
       command.interface == CommandInterface::position
           ? plan.go_to(joint, command.value)
-          : plan.run(joint, is_velocity ? Duty::velocity : Duty::effort, command.value);
+          : plan.run(joint, is_velocity ? JointTask::velocity : JointTask::effort, command.value);
   if (begins && !ran) stream_.begin(joint.tick);
 }
 
@@ -134,8 +134,8 @@ bool BenchMotion::follows(std::uint64_t number) const {
   return std::ranges::count(plans_, number, &JointPlan::trajectory) > 0;
 }
 
-std::vector<Duty> BenchMotion::duties() const {
-  std::vector<Duty> duties(plans_.size());
+std::vector<JointTask> BenchMotion::duties() const {
+  std::vector<JointTask> duties(plans_.size());
   std::ranges::transform(plans_, duties.begin(), &JointPlan::duty);
   return duties;
 }
@@ -191,7 +191,7 @@ BrokenTrajectories BenchMotion::end_all(const std::string& reason) {
 void BenchMotion::check_commands() {
   if (command_timeout_ <= 0.0) return;
   for (std::size_t i = 0; i < plans_.size(); ++i) {
-    if (plans_[i].duty() == Duty::none) continue;
+    if (plans_[i].duty() == JointTask::none) continue;
     const bool ran = stream_.is_running();
     if (!plans_[i].brake_without_command(now_.joint(i), command_timeout_)) continue;
     if (!ran && stream_.is_running()) stream_.begin(now_.tick());
@@ -220,8 +220,8 @@ BrokenTrajectories BenchMotion::catch_up() {
 /// short of its goal: they are sent again.
 void BenchMotion::check_ends() {
   for (std::size_t i = 0; i < plans_.size(); ++i) {
-    if (plans_[i].duty() == Duty::none) continue;
-    const JointNow joint = now_.joint(i);
+    if (plans_[i].duty() == JointTask::none) continue;
+    const JointCycle joint = now_.joint(i);
     const JointPlan::End end = plans_[i].check_end(joint);
     if (end == JointPlan::End::given_up) {
       warn(i, "the drive does not take its last set-point");
@@ -236,7 +236,7 @@ void BenchMotion::check_ends() {
 /// @return why a joint with a plan cannot be moved; empty if all can.
 std::string BenchMotion::first_obstacle() const {
   for (std::size_t i = 0; i < plans_.size(); ++i) {
-    if (plans_[i].duty() == Duty::none) continue;
+    if (plans_[i].duty() == JointTask::none) continue;
     const std::string problem = power_.wants_enabled() ? obstacle(i) : "is disabled";
     if (!problem.empty()) return bench_.joints()[i].label() + " " + problem;
   }
@@ -256,7 +256,7 @@ std::vector<std::size_t> BenchMotion::free_joints() const {
 /// plan.
 void BenchMotion::brake_joints(const std::vector<std::size_t>& joints, const std::string& reason) {
   for (const std::size_t place : joints) {
-    plans_[place].run(now_.joint(place), Duty::velocity, 0.0);
+    plans_[place].run(now_.joint(place), JointTask::velocity, 0.0);
     warn(place, reason + ": it brakes");
   }
 }

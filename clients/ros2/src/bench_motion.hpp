@@ -83,7 +83,7 @@ class BenchMotion {
   void brake(std::uint64_t number);
 
   /// @return the duties of the joints, in their order.
-  [[nodiscard]] std::vector<Duty> duties() const;
+  [[nodiscard]] std::vector<JointTask> duties() const;
 
   /// @return the number of the trajectory that the joint follows, 0 = none.
   [[nodiscard]] std::uint64_t trajectory_of(std::size_t place) const {
@@ -125,7 +125,7 @@ class BenchMotion {
   BenchPower power_;
   JointPlans plans_;
   SetPointStream stream_;
-  BenchNow now_;
+  BenchCycle now_;
 };
 
 /// @return what prevents `session` from commanding the axis, as words that follow the name of the

@@ -30,45 +30,46 @@ constexpr double kShareOfNewest = 0.25;
 constexpr int kMostRepeats = 8;
 
 /// @return `effort` in ‰ of the rated torque.
-std::int16_t per_mille(const JointNow& now, double effort) noexcept {
+std::int16_t per_mille(const JointCycle& now, double effort) noexcept {
   return static_cast<std::int16_t>(std::lround(effort / now.limits.effort_per_mille));
 }
 
 }  // namespace
 
-std::string_view to_string(Duty duty) noexcept {
+std::string_view to_string(JointTask duty) noexcept {
   constexpr std::array<std::string_view, 7> kNames{"none",     "hold",   "track", "trajectory",
                                                    "velocity", "effort", "settle"};
   return kNames[static_cast<std::size_t>(duty)];
 }
 
 OperatingMode JointPlan::mode() const noexcept {
-  if (duty_ == Duty::velocity) return mode_of(CommandInterface::velocity);
-  if (duty_ == Duty::effort) return mode_of(CommandInterface::effort);
+  if (duty_ == JointTask::velocity) return mode_of(CommandInterface::velocity);
+  if (duty_ == JointTask::effort) return mode_of(CommandInterface::effort);
   return mode_of(CommandInterface::position);
 }
 
 /// @return the value that the drive commands in this tick, from which a line of this duty starts.
-double JointPlan::value_of_drive(const JointNow& now) const noexcept {
-  return duty_ == Duty::effort ? now.axis.status.torque_demand * now.limits.effort_per_mille
-                               : now.demand().velocity;
+double JointPlan::value_of_drive(const JointCycle& now) const noexcept {
+  return duty_ == JointTask::effort ? now.axis.status.torque_demand * now.limits.effort_per_mille
+                                    : now.demand().velocity;
 }
 
-bool JointPlan::moves_by_itself(const JointNow& now) const noexcept {
-  if (duty_ == Duty::hold || duty_ == Duty::track || duty_ == Duty::trajectory) return false;
-  if (duty_ == Duty::effort || is_entering() || streams()) return true;
+bool JointPlan::moves_by_itself(const JointCycle& now) const noexcept {
+  if (duty_ == JointTask::hold || duty_ == JointTask::track || duty_ == JointTask::trajectory)
+    return false;
+  if (duty_ == JointTask::effort || is_entering() || streams()) return true;
   // The last velocity is 0, but earlier ones may still be in flight.
   const bool is_under_way = ends_at_ != 0 && now.tick <= ends_at_;
   return is_under_way || now.axis.status.velocity_demand_value != 0;
 }
 
-JointMotion JointPlan::motion(const JointNow& now, std::uint64_t tick) const {
+JointMotion JointPlan::motion(const JointCycle& now, std::uint64_t tick) const {
   switch (duty_) {
-    case Duty::hold:
+    case JointTask::hold:
       return {position_, 0.0, 0.0};
-    case Duty::track:
+    case JointTask::track:
       return tracker_->now();
-    case Duty::trajectory:
+    case JointTask::trajectory:
       return path_->at(now.seconds(begin_, tick));
     default:
       return now.demand();
@@ -78,13 +79,13 @@ JointMotion JointPlan::motion(const JointNow& now, std::uint64_t tick) const {
 // ---- commands --------------------------------------------------------------------------------
 
 /// @return [s] since the previous command
-double JointPlan::note_command(const JointNow& now) {
+double JointPlan::note_command(const JointCycle& now) {
   is_lost_ = false;
   return now.seconds(std::exchange(commanded_at_, now.tick), now.tick);
 }
 
 /// @return [s] that the line to a new value takes
-double JointPlan::time_of_line(const JointNow& now, double passed, bool begins) {
+double JointPlan::time_of_line(const JointCycle& now, double passed, bool begins) {
   if (begins || interval_ == 0.0) {
     interval_ = kFirstInterval;
   } else if (passed < kLongestInterval) {
@@ -93,21 +94,21 @@ double JointPlan::time_of_line(const JointNow& now, double passed, bool begins) 
   return interval_ + std::max(kShortestMargin, kMargin * interval_);
 }
 
-bool JointPlan::go_to(const JointNow& now, double position) {
+bool JointPlan::go_to(const JointCycle& now, double position) {
   const double passed = note_command(now);
   if (moves_by_itself(now)) {
-    if (duty_ != Duty::settle) enter(Duty::settle);
+    if (duty_ != JointTask::settle) enter(JointTask::settle);
     value_ = position;
     return false;
   }
-  if (duty_ == Duty::hold && position_ == position) return false;  // it is already there
-  const bool begins = duty_ != Duty::track;
+  if (duty_ == JointTask::hold && position_ == position) return false;  // it is already there
+  const bool begins = duty_ != JointTask::track;
   if (begins) track(motion(now, now.tick), position);
   tracker().go_to(position, time_of_line(now, passed, begins));
   return begins;
 }
 
-bool JointPlan::run(const JointNow& now, Duty duty, double value) {
+bool JointPlan::run(const JointCycle& now, JointTask duty, double value) {
   const double passed = note_command(now);
   if (duty_ != duty) enter(duty);
   const double over = time_of_line(now, passed, is_entering());
@@ -120,7 +121,7 @@ bool JointPlan::run(const JointNow& now, Duty duty, double value) {
 }
 
 /// A drive drops set-points for a mode that it is not in yet, so the first one waits.
-void JointPlan::enter(Duty duty) {
+void JointPlan::enter(JointTask duty) {
   duty_ = duty;
   tracker_.reset();
   path_.reset();
@@ -142,15 +143,15 @@ bool JointPlan::lead_to_value(double last, double over) {
   return begins;
 }
 
-void JointPlan::lead_from_drive(const JointNow& now) {
+void JointPlan::lead_from_drive(const JointCycle& now) {
   line_.reset();
   lead_to_value(value_of_drive(now), kFirstInterval);
 }
 
-void JointPlan::follow(const JointNow& now, std::shared_ptr<const JointPath> path,
+void JointPlan::follow(const JointCycle& now, std::shared_ptr<const JointPath> path,
                        std::uint64_t begin, std::uint64_t number) {
   ensure(path != nullptr, "a trajectory has the path of its joint");
-  duty_ = Duty::trajectory;
+  duty_ = JointTask::trajectory;
   tracker_.reset();
   line_.reset();
   path_ = std::move(path);
@@ -159,16 +160,16 @@ void JointPlan::follow(const JointNow& now, std::shared_ptr<const JointPath> pat
   commanded_at_ = now.tick;
 }
 
-void JointPlan::brake(const JointNow& now, std::uint64_t tick) {
+void JointPlan::brake(const JointCycle& now, std::uint64_t tick) {
   tracker_.emplace(motion(now, tick));
   tracker_->stop(now.limits);
-  duty_ = Duty::track;
+  duty_ = JointTask::track;
   path_.reset();
 }
 
 bool JointPlan::brake_free() {
   if (!runs_freely()) return false;
-  if (duty_ == Duty::effort) enter(Duty::velocity);
+  if (duty_ == JointTask::effort) enter(JointTask::velocity);
   const double last = std::exchange(value_, 0.0);
   if (!is_entering()) lead_to_value(last, 0.0);
   return true;
@@ -188,42 +189,44 @@ void JointPlan::track(const JointMotion& start, double goal) {
   tracker_.emplace(start);
   tracker_->go_to(goal, kFirstInterval);
   line_.reset();
-  duty_ = Duty::track;
+  duty_ = JointTask::track;
 }
 
 // ---- each cycle ------------------------------------------------------------------------------
 
-bool JointPlan::brake_without_command(const JointNow& now, double timeout) {
-  const bool is_fed = duty_ == Duty::track || duty_ == Duty::velocity || duty_ == Duty::effort;
+bool JointPlan::brake_without_command(const JointCycle& now, double timeout) {
+  const bool is_fed =
+      duty_ == JointTask::track || duty_ == JointTask::velocity || duty_ == JointTask::effort;
   if (!is_fed || is_lost_ || now.seconds(commanded_at_, now.tick) <= timeout) return false;
   is_lost_ = true;
-  if (duty_ != Duty::track) return brake_free();
+  if (duty_ != JointTask::track) return brake_free();
   tracker().stop(now.limits);
   return true;
 }
 
-std::uint64_t JointPlan::start_again(const JointNow& now) {
+std::uint64_t JointPlan::start_again(const JointCycle& now) {
   const JointMotion rest{now.demand().position, 0.0, 0.0};  // the drive holds
   const std::uint64_t ended = trajectory();
-  if (duty_ == Duty::track) track(rest, tracker().goal());
+  if (duty_ == JointTask::track) track(rest, tracker().goal());
   if (is_free()) lead_from_drive(now);
   if (ended == 0) return 0;
   *this = {};
-  duty_ = Duty::hold;
+  duty_ = JointTask::hold;
   position_ = rest.position;
   return ended;
 }
 
 /// @return whether the drive follows the last set-point.
-bool JointPlan::is_at_end(const JointNow& now) const noexcept {
+bool JointPlan::is_at_end(const JointCycle& now) const noexcept {
   const AxisStatus& shown = now.axis.status;
-  if (duty_ == Duty::velocity) return shown.velocity_demand_value == now.user_units(value_);
+  if (duty_ == JointTask::velocity) return shown.velocity_demand_value == now.user_units(value_);
   // 6074h is the torque commanded by the drive, rounded.
-  if (duty_ == Duty::effort) return std::abs(shown.torque_demand - per_mille(now, value_)) <= 1;
+  if (duty_ == JointTask::effort)
+    return std::abs(shown.torque_demand - per_mille(now, value_)) <= 1;
   return shown.position_demand_value == now.user_units(position_);
 }
 
-JointPlan::End JointPlan::check_end(const JointNow& now) {
+JointPlan::End JointPlan::check_end(const JointCycle& now) {
   if (streams() || ends_at_ == 0 || now.tick <= ends_at_) return End::open;
   const bool is_there = is_at_end(now);
   // During a stop, or at a limit of the drive such as its speed limit, the received value is not
@@ -244,7 +247,7 @@ JointPlan::End JointPlan::check_end(const JointNow& now) {
   return End::given_up;
 }
 
-void JointPlan::repeat_end(const JointNow& now) {
+void JointPlan::repeat_end(const JointCycle& now) {
   if (is_free()) {
     lead_from_drive(now);
     return;
@@ -254,7 +257,7 @@ void JointPlan::repeat_end(const JointNow& now) {
 }
 
 /// A drive changes its mode at rest, and accepts set-points from then on.
-bool JointPlan::settles(const JointNow& now) {
+bool JointPlan::settles(const JointCycle& now) {
   const bool has_mode = sent_for_ != 0 && now.tick >= enters_at_ && now.axis.mode() == mode();
   if (!is_entering() || !has_mode) return false;
   if (is_free()) {
@@ -269,13 +272,13 @@ bool JointPlan::settles(const JointNow& now) {
 
 // ---- set-points ------------------------------------------------------------------------------
 
-client::SetPoint JointPlan::next_point(const JointNow& now, std::uint64_t tick) {
+client::SetPoint JointPlan::next_point(const JointCycle& now, std::uint64_t tick) {
   const std::uint16_t axis = now.joint.axis.axis;
   client::SetPoint point =
       now.axis.mode() == mode() ? client::SetPoint{.axis = axis} : begin_stream(axis, mode());
   const bool ends = is_free() ? put_value(now, point) : put_position(now, tick, point);
   if (ends) {
-    if (!is_free()) duty_ = Duty::hold;
+    if (!is_free()) duty_ = JointTask::hold;
     ends_at_ = tick;
     tracker_.reset();
     path_.reset();
@@ -285,9 +288,9 @@ client::SetPoint JointPlan::next_point(const JointNow& now, std::uint64_t tick) 
 }
 
 /// @return whether this is the last position of the motion
-bool JointPlan::put_position(const JointNow& now, std::uint64_t tick, client::SetPoint& point) {
+bool JointPlan::put_position(const JointCycle& now, std::uint64_t tick, client::SetPoint& point) {
   bool ends = false;
-  if (duty_ == Duty::track) {
+  if (duty_ == JointTask::track) {
     position_ = tracker().step(now.period, now.limits).position;
     ends = tracker().is_at_rest();
   } else {
@@ -300,10 +303,10 @@ bool JointPlan::put_position(const JointNow& now, std::uint64_t tick, client::Se
 }
 
 /// @return whether this is the commanded value
-bool JointPlan::put_value(const JointNow& now, client::SetPoint& point) {
+bool JointPlan::put_value(const JointCycle& now, client::SetPoint& point) {
   const JointLimits& limits = now.limits;
   // The drive's own profiles also treat a ramp of 0 as 1, so that a joint can always be stopped.
-  if (duty_ == Duty::velocity) {
+  if (duty_ == JointTask::velocity) {
     const double ramp = std::max(limits.ramp, now.joint.si_per_user_unit);
     point.velocity = now.user_units(line().step(now.period, ramp));
   } else {
@@ -313,7 +316,7 @@ bool JointPlan::put_value(const JointNow& now, client::SetPoint& point) {
   return line().is_at_goal();
 }
 
-std::optional<client::SetPoint> JointPlan::mode_point(const JointNow& now, std::uint64_t tick) {
+std::optional<client::SetPoint> JointPlan::mode_point(const JointCycle& now, std::uint64_t tick) {
   if (!is_entering() || now.tick <= sent_for_) return std::nullopt;
   // The drive shows this mode already, but another one may be in flight: wait until it must be the
   // new one.

@@ -16,7 +16,7 @@
 namespace vdrive::ros2 {
 
 /// The kind of motion that the bridge commands for a joint.
-enum class Duty : std::uint8_t {
+enum class JointTask : std::uint8_t {
   none,        ///< no command since it was enabled
   hold,        ///< stay where the last command ended
   track,       ///< follow positions that arrive from time to time
@@ -27,7 +27,7 @@ enum class Duty : std::uint8_t {
 };
 
 /// @return such as "trajectory".
-[[nodiscard]] std::string_view to_string(Duty duty) noexcept;
+[[nodiscard]] std::string_view to_string(JointTask duty) noexcept;
 
 /// The plan of one joint for the coming ticks: commands change it, and each tick takes a set-point
 /// from it. The caller checks whether a command is permitted. For one thread.
@@ -41,52 +41,52 @@ class JointPlan {
     given_up,  ///< the set-point was sent too often
   };
 
-  [[nodiscard]] Duty duty() const noexcept { return duty_; }
+  [[nodiscard]] JointTask duty() const noexcept { return duty_; }
 
   /// @return whether every tick needs a set-point.
   [[nodiscard]] bool streams() const noexcept {
-    return duty_ == Duty::track || duty_ == Duty::trajectory || line_.has_value();
+    return duty_ == JointTask::track || duty_ == JointTask::trajectory || line_.has_value();
   }
 
   /// @return whether it waits for the drive to enter the mode of its duty.
   [[nodiscard]] bool is_entering() const noexcept {
-    return duty_ == Duty::settle || (is_free() && !is_entered_);
+    return duty_ == JointTask::settle || (is_free() && !is_entered_);
   }
 
   /// @return whether it is moved by velocity or effort.
   [[nodiscard]] bool runs_freely() const noexcept {
-    return duty_ == Duty::effort || (duty_ == Duty::velocity && value_ != 0.0);
+    return duty_ == JointTask::effort || (duty_ == JointTask::velocity && value_ != 0.0);
   }
 
   /// @return the number of the trajectory that the joint follows, 0 = none.
   [[nodiscard]] std::uint64_t trajectory() const noexcept {
-    return duty_ == Duty::trajectory ? trajectory_ : 0;
+    return duty_ == JointTask::trajectory ? trajectory_ : 0;
   }
 
   /// @return whether the drive moves, or may move, for another reason than a stream of positions.
-  [[nodiscard]] bool moves_by_itself(const JointNow& now) const noexcept;
+  [[nodiscard]] bool moves_by_itself(const JointCycle& now) const noexcept;
 
   /// @return the motion of the joint in `tick`, the last one for which positions were sent.
-  [[nodiscard]] JointMotion motion(const JointNow& now, std::uint64_t tick) const;
+  [[nodiscard]] JointMotion motion(const JointCycle& now, std::uint64_t tick) const;
 
   // ---- commands
 
   /// Goes to a position; a joint that moves for another reason comes to rest first.
   /// @return whether its positions start with this command
-  [[nodiscard]] bool go_to(const JointNow& now, double position);
+  [[nodiscard]] bool go_to(const JointCycle& now, double position);
 
   /// Runs with a velocity or an effort; a drive in another mode comes to rest and changes its mode
   /// first.
   /// @return whether its set-points start with this command
-  bool run(const JointNow& now, Duty duty, double value);
+  bool run(const JointCycle& now, JointTask duty, double value);
 
   /// @param begin tick of the path's time 0
-  void follow(const JointNow& now, std::shared_ptr<const JointPath> path, std::uint64_t begin,
+  void follow(const JointCycle& now, std::shared_ptr<const JointPath> path, std::uint64_t begin,
               std::uint64_t number);
 
   /// Leaves its trajectory and brakes.
   /// @param tick the last one for which positions were sent
-  void brake(const JointNow& now, std::uint64_t tick);
+  void brake(const JointCycle& now, std::uint64_t tick);
 
   /// Brakes a joint moved by velocity or effort: from a velocity along the ramp, from an effort as
   /// the drive does when its mode changes.
@@ -97,53 +97,54 @@ class JointPlan {
 
   /// Brakes a joint that got no command for `timeout` [s].
   /// @return whether it was moving.
-  bool brake_without_command(const JointNow& now, double timeout);
+  bool brake_without_command(const JointCycle& now, double timeout);
 
   /// Restarts after the bench has run past the last set-point: the drive holds, and new motion
   /// starts there.
   /// @return the number of the trajectory that ends with this, 0 = none
-  std::uint64_t start_again(const JointNow& now);
+  std::uint64_t start_again(const JointCycle& now);
 
   /// Compares the drive with the end of a motion.
   /// @return each result except `open` only once.
-  [[nodiscard]] End check_end(const JointNow& now);
+  [[nodiscard]] End check_end(const JointCycle& now);
 
   /// Commands the end of the motion again.
-  void repeat_end(const JointNow& now);
+  void repeat_end(const JointCycle& now);
 
   /// @return whether a joint that waited for its mode starts with its set-points now.
-  [[nodiscard]] bool settles(const JointNow& now);
+  [[nodiscard]] bool settles(const JointCycle& now);
 
   // ---- set-points
 
   /// @return the position, velocity or effort for `tick`, which must follow the tick of the
   ///         previous call.
-  [[nodiscard]] client::SetPoint next_point(const JointNow& now, std::uint64_t tick);
+  [[nodiscard]] client::SetPoint next_point(const JointCycle& now, std::uint64_t tick);
 
   /// @param tick in which the drive will show it
   /// @return the mode that the joint waits for, if it was not sent or the drive did not take it.
-  [[nodiscard]] std::optional<client::SetPoint> mode_point(const JointNow& now, std::uint64_t tick);
+  [[nodiscard]] std::optional<client::SetPoint> mode_point(const JointCycle& now,
+                                                           std::uint64_t tick);
 
  private:
   [[nodiscard]] bool is_free() const noexcept {
-    return duty_ == Duty::velocity || duty_ == Duty::effort;
+    return duty_ == JointTask::velocity || duty_ == JointTask::effort;
   }
 
   [[nodiscard]] OperatingMode mode() const noexcept;
-  [[nodiscard]] double value_of_drive(const JointNow& now) const noexcept;
-  [[nodiscard]] bool is_at_end(const JointNow& now) const noexcept;
+  [[nodiscard]] double value_of_drive(const JointCycle& now) const noexcept;
+  [[nodiscard]] bool is_at_end(const JointCycle& now) const noexcept;
   [[nodiscard]] JointTracker& tracker();
   [[nodiscard]] ValueLine& line();
-  double note_command(const JointNow& now);
-  double time_of_line(const JointNow& now, double passed, bool begins);
-  void enter(Duty duty);
+  double note_command(const JointCycle& now);
+  double time_of_line(const JointCycle& now, double passed, bool begins);
+  void enter(JointTask duty);
   bool lead_to_value(double last, double over);
-  void lead_from_drive(const JointNow& now);
+  void lead_from_drive(const JointCycle& now);
   void track(const JointMotion& start, double goal);
-  bool put_position(const JointNow& now, std::uint64_t tick, client::SetPoint& point);
-  bool put_value(const JointNow& now, client::SetPoint& point);
+  bool put_position(const JointCycle& now, std::uint64_t tick, client::SetPoint& point);
+  bool put_value(const JointCycle& now, client::SetPoint& point);
 
-  Duty duty_ = Duty::none;
+  JointTask duty_ = JointTask::none;
   double position_ = 0.0;  ///< duty hold [rad or m]
   double value_ = 0.0;     ///< velocity and effort [SI]; settle: the position to go to
   std::optional<JointTracker> tracker_;

@@ -75,14 +75,14 @@ void SetPointStream::catch_up(std::uint64_t tick) {
   sent_until_ = tick + lead_.lead() - 1;
 }
 
-Frames SetPointStream::modes(const BenchNow& now) {
+Frames SetPointStream::modes(const BenchCycle& now) {
   // Immediately, but after the set-points already sent in another mode.
   const std::uint64_t tick = sent_until_ > now.tick() ? sent_until_ + 1 : 0;
   const std::uint64_t reached = std::max(tick, now.tick() + lead_.lead());
   return frame_of(tick, plans_.size(), [&](std::size_t place) -> std::optional<client::SetPoint> {
     JointPlan& plan = plans_[place];
     if (!plan.is_entering()) return std::nullopt;
-    const JointNow joint = now.joint(place);
+    const JointCycle joint = now.joint(place);
     const bool ran = is_running();
     if (!plan.settles(joint)) return plan.mode_point(joint, reached);
     if (!ran) begin(now.tick());
@@ -90,8 +90,9 @@ Frames SetPointStream::modes(const BenchNow& now) {
   });
 }
 
-Frames SetPointStream::points(const BenchNow& now) {
-  const bool has_trajectory = std::ranges::count(plans_, Duty::trajectory, &JointPlan::duty) > 0;
+Frames SetPointStream::points(const BenchCycle& now) {
+  const bool has_trajectory =
+      std::ranges::count(plans_, JointTask::trajectory, &JointPlan::duty) > 0;
   const std::uint64_t last = now.tick() + lead_.window(has_trajectory);
   Frames frames;
   while (is_running() && sent_until_ < last) {

@@ -84,10 +84,10 @@ class SetPointStream {
   void clear() noexcept { sent_until_ = 0; }
 
   /// @return the modes that joints wait for; joints whose drive is in its mode start.
-  [[nodiscard]] Frames modes(const BenchNow& now);
+  [[nodiscard]] Frames modes(const BenchCycle& now);
 
   /// @return the set-points that are due, up to the end of the window.
-  [[nodiscard]] Frames points(const BenchNow& now);
+  [[nodiscard]] Frames points(const BenchCycle& now);
 
  private:
   SetPointLead lead_;

@@ -83,7 +83,7 @@ Outcome outcome_of_halt(const AxisSnapshot& axis, std::uint16_t word) {
   return Outcome::failed("axis " + to_string(axis.id) + " was halted before it reached its target");
 }
 
-Outcome goes_on_to_target(const AxisSnapshot& axis) {
+Outcome continues_to_target(const AxisSnapshot& axis) {
   return Outcome::failed("interrupted; axis " + to_string(axis.id) +
                          " was not stopped: it continues to its target while its bench runs");
 }
@@ -158,7 +158,7 @@ Outcome await_target(AxesCall& call, const Wakeup& wakeup, std::optional<std::in
   }
   if (reached.kind() == OutcomeKind::failed && is_enabled(call.snapshot()) &&
       wakeup.is_interrupted()) {
-    return goes_on_to_target(call.snapshot());
+    return continues_to_target(call.snapshot());
   }
   return reached ? check_halt(call) : reached;
 }

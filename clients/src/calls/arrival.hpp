@@ -26,7 +26,7 @@ inline constexpr std::array kControlwordObject = [] {
 
 /// @return the outcome of an interrupted wait: the axis continues to its target, unless its bench
 ///         ends with the program.
-[[nodiscard]] Outcome goes_on_to_target(const AxisSnapshot& axis);
+[[nodiscard]] Outcome continues_to_target(const AxisSnapshot& axis);
 
 /// Bit 10 is also set when an axis stands still because this or another session halted it; 6040h
 /// tells the two cases apart.

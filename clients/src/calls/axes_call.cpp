@@ -157,7 +157,7 @@ Outcome AxesCall::acquire(bool by_force) {
     const std::vector<std::uint16_t> axes = axes_to_acquire(part);
     if (axes.empty()) continue;
     if (Outcome taken = core_->control.acquire(part.target, axes, by_force); !taken) {
-      return core_->names.named(part.target, axes_.note_lost(part, std::move(taken)));
+      return core_->names.with_session_name(part.target, axes_.note_lost(part, std::move(taken)));
     }
   }
   return {};
@@ -345,7 +345,7 @@ void AxesCall::cancel_pending() {
   for (const BenchPart& part : axes_.parts()) {
     SentFrames sent{.target = part.target, .sequences = {}};
     Outcome outcome = core_->exchange.send(sent, {&cancel, 1});
-    // The answers to those frames say what became of them.
+    // The answers to those frames report their outcome.
     (void)core_->exchange.collect(sent, std::move(outcome));
   }
 }

@@ -176,13 +176,13 @@ void AxesCommand::refresh() {
 }
 
 void AxesCommand::send() {
-  if (has_pending() && goes_ahead()) call_.begin_to_put_in_force(rounds());
+  if (has_pending() && sends_before_answers()) call_.begin_to_put_in_force(rounds());
 }
 
 void AxesCommand::await_in_force(std::set<std::uint32_t>& stepped) {
   if (!has_pending()) return;
   Outcome done;
-  if (goes_ahead()) {
+  if (sends_before_answers()) {
     const std::uint32_t bench = call_.axes().layout().axes.front().bench;
     done = call_.await_in_force(stepped.contains(bench));
     if (done) stepped.insert(bench);
@@ -314,7 +314,7 @@ Outcome AxesCommand::acquire() {
   const BenchPart& part = call_.axes().parts().front();
   for (std::size_t place = 0; place < outcomes_.size(); ++place) {
     Outcome own = core_->control.acquire(part.target, {&call_.snapshots()[place].id.axis, 1});
-    if (!own) end(place, core_->names.named(part.target, std::move(own)));
+    if (!own) end(place, core_->names.with_session_name(part.target, std::move(own)));
   }
   return {};
 }
@@ -356,7 +356,7 @@ void AxesCommand::await_end_of_reaction() {
 // ---- in force --------------------------------------------------------------------------------
 
 /// A group waits for the answers before it steps a tick, so that a refusal has changed nothing.
-bool AxesCommand::goes_ahead() const {
+bool AxesCommand::sends_before_answers() const {
   return !is_group() && !stop_ && row_.command != EachCommand::power_cycle;
 }
 
@@ -506,10 +506,11 @@ Outcome AxesCommand::power_cycle(const BenchPart& part) {
   if (places.empty()) return {};
   Outcome all = cycle(places);
   const bool is_whole = is_group() || places.size() == 1;
-  if (all.kind() != OutcomeKind::refused || is_whole) return core_->names.named(part.target, all);
+  if (all.kind() != OutcomeKind::refused || is_whole)
+    return core_->names.with_session_name(part.target, all);
   for (const std::size_t place : places) {
     const Outcome own = cycle({&place, 1});
-    if (!own) end(place, core_->names.named(part.target, own));
+    if (!own) end(place, core_->names.with_session_name(part.target, own));
   }
   return {};
 }
@@ -585,7 +586,7 @@ void AxesCommand::await_operation() {
     });
   };
   await_each_answer();
-  const auto walked = walk_to_operation(call_, pending_places());
+  const auto walked = enable_step_by_step(call_, pending_places());
   if (!walked) return end_all(walked.outcome());
   if (*walked) await_each_answer();
 }
@@ -634,7 +635,7 @@ void AxesCommand::await_targets() {
   for (std::size_t place = 0; place < outcomes_.size(); ++place) {
     const bool goes_on = is_interrupted && outcomes_[place].kind() == OutcomeKind::failed;
     if (goes_on && is_enabled(call_.snapshots()[place])) {
-      outcomes_[place] = goes_on_to_target(call_.snapshots()[place]);
+      outcomes_[place] = continues_to_target(call_.snapshots()[place]);
     }
     if (is_pending_[place] && !sound[place]) {
       end(place, call_.explain_lost_power(sound[place], at_end_[place]));

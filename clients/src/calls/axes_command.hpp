@@ -96,7 +96,7 @@ class AxesCommand {
   void judge();
   void await_end_of_reaction();
 
-  [[nodiscard]] bool goes_ahead() const;
+  [[nodiscard]] bool sends_before_answers() const;
 
   /// If a halt loses a bench, the other axes must not keep moving.
   [[nodiscard]] bool stops_if_lost() const;

@@ -55,7 +55,7 @@ Outcome exchange_memory(SessionCore& core, const AxisId& id, msg::Request reques
   if (!target) return target.outcome();
   Outcome outcome = core.exchange.request(*target, std::move(request), what).outcome();
   if (outcome.code() != wire_code(AbortCode::cannot_store_or_transfer)) {
-    return core.names.named(*target, std::move(outcome));
+    return core.names.with_session_name(*target, std::move(outcome));
   }
   return Outcome::refused(
       outcome.code(), what +
@@ -83,13 +83,14 @@ Result<AxisSnapshot> Axis::status() const {
 Outcome Axis::acquire() {
   const auto target = core_->links.connect(id_.bench);
   if (!target) return target.outcome();
-  return core_->names.named(*target, core_->control.acquire(*target, {&id_.axis, 1}));
+  return core_->names.with_session_name(*target, core_->control.acquire(*target, {&id_.axis, 1}));
 }
 
 Outcome Axis::take_over() {
   const auto target = core_->links.connect(id_.bench);
   if (!target) return target.outcome();
-  return core_->names.named(*target, core_->control.acquire(*target, {&id_.axis, 1}, true));
+  return core_->names.with_session_name(*target,
+                                        core_->control.acquire(*target, {&id_.axis, 1}, true));
 }
 
 Outcome Axis::command(EachCommand command, const CallOptions& options) {
@@ -267,7 +268,7 @@ Result<std::uint64_t> Axis::write(ObjectAddress object, std::int64_t value) {
                            " to " + object_text(object) + " of axis " + to_string(id_);
   const auto reply =
       core_->control.write(*target, ask::write({ask::object(id_.axis, object, value)}), what);
-  if (!reply) return core_->names.named(*target, reply.outcome());
+  if (!reply) return core_->names.with_session_name(*target, reply.outcome());
   for (const msg::ObjectResult& result : reply->objects) {
     if (result.abort_code == msg::Reason::none) continue;
     const Outcome refusal = refused(object, wire::number(result.abort_code), what, unit_);
@@ -275,8 +276,8 @@ Result<std::uint64_t> Axis::write(ObjectAddress object, std::int64_t value) {
         wire::number(result.abort_code) == wire_code(AbortCode::refused_local_control) &&
         reply->owner_session != 0 && reply->owner_session != core_->id;
     if (!is_controlled) return refusal;
-    return core_->names.named(*target,
-                              refusal.with_owner({.axis = id_, .session = reply->owner_session}));
+    return core_->names.with_session_name(
+        *target, refusal.with_owner({.axis = id_, .session = reply->owner_session}));
   }
   return reply->tick;
 }

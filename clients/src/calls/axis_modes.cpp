@@ -77,7 +77,7 @@ class EndlessMotion {
   void settle() { holdings_.forget_running(key_, {&axis_, 1}); }
 
  private:
-  Holdings& holdings_;
+  HeldAxes& holdings_;
   BenchKey key_;
   std::uint16_t axis_;
 };

@@ -75,7 +75,7 @@ Outcome ProfileMove::prepare() {
   auto values = call_.take_values();
   if (!values) return values.outcome();
   before_ = std::move(values->front());
-  looks_once_in_a_loop_ = before_[look_loop] != 0;
+  has_controlword_loop_ = before_[look_loop] != 0;
   std::vector<std::int64_t> in_force = before_;
   in_force.resize(kMoveBounds.size());
   in_force[velocity] = options_.velocity.value_or(before_[velocity]);
@@ -133,7 +133,7 @@ Outcome ProfileMove::start(std::int32_t target, bool relative) {
   std::vector<Round> rounds{call_.round_of(kEnableOperation, every_axis),
                             set_point(target, relative)};
   // The drive samples 6081h when it sees the edge, in most cases in the tick of the edge.
-  const bool keeps_velocity = options_.velocity && looks_once_in_a_loop_;
+  const bool keeps_velocity = options_.velocity && has_controlword_loop_;
   if (options_.velocity && !keeps_velocity) rounds.push_back(old_velocity());
   if (Outcome done = call_.put_in_force(rounds); !done) {
     if (done.kind() == OutcomeKind::refused) put_back_ramps();
@@ -151,7 +151,7 @@ Outcome ProfileMove::start(std::int32_t target, bool relative) {
 /// bit 12 may be 0 again if another thread has cleared bit 4 after a move of its own.
 Outcome ProfileMove::await_acknowledge() {
   constexpr std::string_view kAcknowledge = "the acknowledge, bit 12";
-  if (!looks_once_in_a_loop_) return call_.check(kAcknowledge, call_.tick());
+  if (!has_controlword_loop_) return call_.check(kAcknowledge, call_.tick());
   return call_.await_enabled(kAcknowledge, call_.tick(), [](const AxisSnapshot& axis) {
     return axis.shows(Statusword::kSetPointAcknowledge);
   });
@@ -214,7 +214,7 @@ Outcome ProfileMove::finish() {
 /// another edge before that would be lost.
 Outcome ProfileMove::await_next_edge() {
   // Bit 12 of a queued set-point stays 1 until the buffer is free.
-  if (options_.queue || !looks_once_in_a_loop_) return {};
+  if (options_.queue || !has_controlword_loop_) return {};
   return call_.await("the end of the acknowledge, bit 12", call_.tick(),
                      [](const AxisSnapshot& axis) {
                        return !is_enabled(axis) || axis.mode() != OperatingMode::profile_position ||

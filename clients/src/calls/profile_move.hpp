@@ -103,7 +103,7 @@ class ProfileMove {
   std::int32_t target_ = 0;           ///< absolute
   bool is_relative_ = false;
   bool wraps_ = false;                 ///< the move crosses the end of the position range
-  bool looks_once_in_a_loop_ = false;  ///< the drive evaluates 6040h once per loop: 5E20h:06
+  bool has_controlword_loop_ = false;  ///< the drive evaluates 6040h once per loop: 5E20h:06
 };
 
 }  // namespace vdrive::client

@@ -41,7 +41,7 @@ bool is_under_way(const AxisSnapshot& axis) {
 }
 
 /// Gives each of these axes the next controlword on its way to Operation enabled.
-Outcome take_a_step(AxesCall& call, std::span<const std::size_t> places) {
+Outcome send_next_word(AxesCall& call, std::span<const std::size_t> places) {
   Round round;
   std::vector<PowerState> before;
   for (const AxisSnapshot& axis : call.snapshots()) before.push_back(axis.state());
@@ -67,7 +67,7 @@ bool has_answered_enabling(const AxisSnapshot& axis, const AnswerTime& answer_ti
   return state != PowerState::switched_on && answer_time.has_ended();
 }
 
-Result<bool> walk_to_operation(AxesCall& call, std::span<const std::size_t> places) {
+Result<bool> enable_step_by_step(AxesCall& call, std::span<const std::size_t> places) {
   std::vector<std::size_t> late(places.begin(), places.end());
   const auto drop_those_there = [&call, &late] {
     std::erase_if(late, [&call](std::size_t place) {
@@ -83,7 +83,7 @@ Result<bool> walk_to_operation(AxesCall& call, std::span<const std::size_t> plac
   if (late.empty()) return false;
   const std::size_t longest = words_to(EachCommand::enable, PowerState::quick_stop_active).size();
   for (std::size_t step = 0; step < longest && !late.empty(); ++step) {
-    if (Outcome stepped = take_a_step(call, late); !stepped) return stepped;
+    if (Outcome stepped = send_next_word(call, late); !stepped) return stepped;
     drop_those_there();
   }
   return true;

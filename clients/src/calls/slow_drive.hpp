@@ -46,7 +46,7 @@ class AnswerTime {
 /// each after the previous one has taken effect.
 /// @param places of these axes; axes elsewhere, in a fault or without a loop get nothing
 /// @return whether an axis got a controlword.
-Result<bool> walk_to_operation(AxesCall& call, std::span<const std::size_t> places);
+Result<bool> enable_step_by_step(AxesCall& call, std::span<const std::size_t> places);
 
 /// Waits until a drive with a loop (5E20h:06) has seen the controlword in force.
 Outcome await_look(AxesCall& call);

@@ -64,7 +64,7 @@ void fill_samples(const RequestAnswer& answer, std::size_t first,
 
 }  // namespace
 
-BenchClocks::BenchClocks(std::uint64_t session, Exchange& exchange, Holdings& holdings,
+BenchClocks::BenchClocks(std::uint64_t session, Exchange& exchange, HeldAxes& holdings,
                          Discovery& discovery, const Wakeup& wakeup, wire::Participant& participant)
     : session_(session),
       exchange_(exchange),

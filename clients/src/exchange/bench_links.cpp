@@ -41,7 +41,7 @@ std::unique_ptr<wire::Publication<Message>> publication_if_permitted(
 }  // namespace
 
 BenchLinks::BenchLinks(wire::Participant& participant, std::uint64_t session, Discovery& discovery,
-                       Holdings& holdings, CommandHistory& history, Wakeup& wakeup,
+                       HeldAxes& holdings, CommandHistory& history, Wakeup& wakeup,
                        ObserverFailure& failure)
     : session_(session),
       participant_(participant),

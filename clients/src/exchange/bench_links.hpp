@@ -4,7 +4,7 @@
 #include "base/observer_failure.hpp"
 #include "base/wakeup.hpp"
 #include "exchange/command_history.hpp"
-#include "exchange/holdings.hpp"
+#include "exchange/held_axes.hpp"
 #include "presence/discovery.hpp"
 #include "presence/target.hpp"
 #include "vdrive/client/session.hpp"
@@ -177,7 +177,7 @@ struct OpenLink {
 class BenchLinks {
  public:
   BenchLinks(wire::Participant& participant, std::uint64_t session, Discovery& discovery,
-             Holdings& holdings, CommandHistory& history, Wakeup& wakeup, ObserverFailure& failure);
+             HeldAxes& holdings, CommandHistory& history, Wakeup& wakeup, ObserverFailure& failure);
 
   /// Whether the permissions of this session allow requests and commands to benches.
   [[nodiscard]] bool may_command() const noexcept {
@@ -296,7 +296,7 @@ class BenchLinks {
   std::atomic<bool> is_closed_ = false;
   wire::Participant& participant_;
   Discovery& discovery_;
-  Holdings& holdings_;
+  HeldAxes& holdings_;
   CommandHistory& history_;
   UnansweredMessages unanswered_;
   Wakeup& wakeup_;

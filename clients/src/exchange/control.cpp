@@ -49,7 +49,7 @@ constexpr ObjectAddress kControlword = kObjectRows["ds402_controlword"_object].a
 
 }  // namespace
 
-Control::Control(KeepAlive keep_alive, Exchange& exchange, Holdings& holdings,
+Control::Control(KeepAlive keep_alive, Exchange& exchange, HeldAxes& holdings,
                  CommandHistory& history, BenchLinks& links, SessionNames& names)
     : keep_alive_(keep_alive),
       exchange_(exchange),
@@ -184,7 +184,7 @@ Result<std::uint64_t> Control::stop(const Target& target, std::span<const std::u
 
 Outcome Control::release() {
   Outcome result;
-  for (const GivenBack& given : holdings_.drop_all()) {
+  for (const ReleasedAxes& given : holdings_.drop_all()) {
     if (Outcome released = release(given); !released) result = std::move(released);
   }
   return result;
@@ -195,7 +195,7 @@ Outcome Control::release(std::uint32_t bench) {
   return given ? release(*given) : Outcome();
 }
 
-Outcome Control::release(const GivenBack& given) {
+Outcome Control::release(const ReleasedAxes& given) {
   const Target target{.key = given.key};
   if (given.kept.empty()) {  // a request without axes means all axes
     return release(target, std::array<std::vector<std::uint16_t>, 1>{});

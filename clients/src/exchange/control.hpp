@@ -5,7 +5,7 @@
 #include "exchange/bench_links.hpp"
 #include "exchange/command_history.hpp"
 #include "exchange/exchange.hpp"
-#include "exchange/holdings.hpp"
+#include "exchange/held_axes.hpp"
 #include "exchange/session_names.hpp"
 #include "presence/target.hpp"
 #include "vdrive/client/session.hpp"
@@ -23,7 +23,7 @@ namespace vdrive::client {
 /// Acquires axes, keeps them and releases them. Thread-safe.
 class Control {
  public:
-  Control(KeepAlive keep_alive, Exchange& exchange, Holdings& holdings, CommandHistory& history,
+  Control(KeepAlive keep_alive, Exchange& exchange, HeldAxes& holdings, CommandHistory& history,
           BenchLinks& links, SessionNames& names);
 
   ~Control();
@@ -62,7 +62,7 @@ class Control {
 
  private:
   Outcome acquire_part(const Target& target, std::span<const std::uint16_t> axes, bool by_force);
-  Outcome release(const GivenBack& given);
+  Outcome release(const ReleasedAxes& given);
   Outcome release(const Target& target, std::span<const std::vector<std::uint16_t>> parts);
   Result<RequestAnswer> carry_out(const Target& target, msg::Request request,
                                   std::string_view what);
@@ -74,7 +74,7 @@ class Control {
 
   const KeepAlive keep_alive_;
   Exchange& exchange_;
-  Holdings& holdings_;
+  HeldAxes& holdings_;
   CommandHistory& history_;
   SessionNames& names_;
   BenchLinks& links_;

@@ -3,7 +3,7 @@
 
 #include "exchange/bench_links.hpp"
 #include "exchange/command_history.hpp"
-#include "exchange/holdings.hpp"
+#include "exchange/held_axes.hpp"
 #include "presence/target.hpp"
 #include "vdrive/client/outcome.hpp"
 #include "vdrive_messages.hpp"
@@ -65,7 +65,7 @@ struct Applied {
 /// Sends requests and command frames to benches, and waits for their answers. Thread-safe.
 class Exchange {
  public:
-  Exchange(std::uint64_t session, BenchLinks& links, Holdings& holdings, CommandHistory& history)
+  Exchange(std::uint64_t session, BenchLinks& links, HeldAxes& holdings, CommandHistory& history)
       : session_(session), links_(links), holdings_(holdings), history_(history) {}
 
   // ---- requests
@@ -125,7 +125,7 @@ class Exchange {
 
   const std::uint64_t session_;
   BenchLinks& links_;
-  Holdings& holdings_;
+  HeldAxes& holdings_;
   CommandHistory& history_;
   std::atomic<std::uint64_t> last_number_ = 0;
 };

@@ -177,7 +177,7 @@ std::optional<SessionName> SessionNames::find(std::uint32_t bench, std::uint64_t
   }
 }
 
-Outcome SessionNames::named(const Target& target, Outcome outcome) {
+Outcome SessionNames::with_session_name(const Target& target, Outcome outcome) {
   const AxisOwner* const owner = outcome.owner();
   if (owner == nullptr || owner->name) return outcome;
   AxisOwner known = *owner;

@@ -62,7 +62,7 @@ class SessionNames {
 
   /// @return a refusal with the name of the session that caused it, if it has one; any other
   ///         outcome unchanged.
-  Outcome named(const Target& target, Outcome outcome);
+  Outcome with_session_name(const Target& target, Outcome outcome);
 
  private:
   /// An entry in the table that a bench keeps.

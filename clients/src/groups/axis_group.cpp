@@ -43,7 +43,7 @@ GroupState state_of(const std::vector<AxisSnapshot>& axes) {
 }
 
 /// The completed fraction of the present line, according to the axis with the longest distance.
-double fraction_of(const LineInHand& line, std::span<const AxisSnapshot> axes) {
+double fraction_of(const ActiveLine& line, std::span<const AxisSnapshot> axes) {
   double longest = 0.0;
   double fraction = 1.0;
   for (std::size_t place = 0; place < axes.size(); ++place) {
@@ -138,7 +138,7 @@ ObservedAxes::Progress AxisGroup::State::progress_of(const GroupCallOptions& opt
   if (!options.progress) return {};
   return
       [this, progress = options.progress](std::uint64_t tick, std::span<const AxisSnapshot> axes) {
-        const auto moving = line_in_hand();
+        const auto moving = active_line();
         progress({tick, moving ? fraction_of(*moving, axes) : 0.0, axes});
       };
 }
@@ -185,12 +185,12 @@ Result<LineRequest> AxisGroup::State::request_of(const Eigen::VectorXd& targets,
                      .deceleration_factor = options.deceleration_factor};
 }
 
-std::optional<LineInHand> AxisGroup::State::line_in_hand() {
+std::optional<ActiveLine> AxisGroup::State::active_line() {
   const std::scoped_lock lock(mutex);
   return line;
 }
 
-void AxisGroup::State::set_line(std::optional<LineInHand> started) {
+void AxisGroup::State::set_line(std::optional<ActiveLine> started) {
   const std::scoped_lock lock(mutex);
   line = std::move(started);
 }
@@ -319,7 +319,7 @@ Outcome AxisGroup::take_over() {
 /// Stops the enabled axes if one has a fault or, during a line, is not enabled or belongs to
 /// another session.
 Outcome AxisGroup::State::watch(AxesCall& call) {
-  const auto moving = line_in_hand();
+  const auto moving = active_line();
   if (moving && call.tick() < moving->start_tick) return {};
   Answers stop;
   if (moving) {
@@ -340,7 +340,7 @@ Outcome AxisGroup::State::watch(AxesCall& call) {
 }
 
 Outcome AxisGroup::State::watch_commands(AxesCall& call) {
-  const auto moving = line_in_hand();
+  const auto moving = active_line();
   if (!moving || call.tick() < moving->start_tick) return {};
   call.follow(moving->given);
   for (std::size_t place = 0; place < call.snapshots().size(); ++place) {
@@ -359,7 +359,7 @@ Result<GroupStatus> AxisGroup::poll() {
   Outcome sound = state_->watch(call);
   if (sound) sound = state_->watch_commands(call);
   if (!sound) return state_->explained(call.explain_lost_power(sound));
-  const auto moving = state_->line_in_hand();
+  const auto moving = state_->active_line();
   const bool at_rest = !moving || (call.tick() >= moving->start_tick &&
                                    state_->has_arrived(*moving, call.snapshots()));
   if (at_rest) {

@@ -209,11 +209,12 @@ bool demand_arrived(const AxisSnapshot& axis, std::int32_t target) {
 
 }  // namespace
 
-Result<std::vector<AxisWay>> AxisGroup::State::ways_of(AxesCall& call, const LineRequest& request,
-                                                       bool in_motion) const {
+Result<std::vector<AxisDistance>> AxisGroup::State::ways_of(AxesCall& call,
+                                                            const LineRequest& request,
+                                                            bool in_motion) const {
   const auto limits = call.read(kLimitObjects);
   if (!limits) return limits.outcome();
-  std::vector<AxisWay> ways;
+  std::vector<AxisDistance> ways;
   for (std::size_t place = 0; place < request.targets.size(); ++place) {
     const std::vector<std::int64_t>& values = (*limits)[place];
     const std::string axis = "axis " + to_string(layout.axes[place]);
@@ -239,8 +240,8 @@ Result<std::vector<AxisWay>> AxisGroup::State::ways_of(AxesCall& call, const Lin
   return ways;
 }
 
-Outcome AxisGroup::State::takes_too_long(std::span<const AxisWay> ways) const {
-  const auto slowest = std::ranges::max_element(ways, {}, [](const AxisWay& way) {
+Outcome AxisGroup::State::takes_too_long(std::span<const AxisDistance> ways) const {
+  const auto slowest = std::ranges::max_element(ways, {}, [](const AxisDistance& way) {
     return way.distance / way.limits.velocity;
   });
   return not_in_this_state(
@@ -264,7 +265,7 @@ Result<LinePlan> AxisGroup::State::plan_from_rest(AxesCall& call,
 /// matters: each axis plans along it from its position at that time.
 Result<LinePlan> AxisGroup::State::plan_in_motion(AxesCall& call, const LineRequest& request) {
   const std::vector<AxisSnapshot>& axes = call.snapshots();
-  const auto moving = line_in_hand();
+  const auto moving = active_line();
   std::vector<Unit> units;
   for (const AxisId& axis : layout.axes) units.push_back(call.unit_of(axis));
   auto course = continued_course(moving ? std::optional(moving->course) : std::nullopt, axes,
@@ -304,7 +305,7 @@ Outcome AxisGroup::State::start(AxesCall& call, const LineRequest& request) {
   if (!plan) return plan.outcome();
   const Answers answers = call.exchange(start_rounds(call, request, *plan), Timing::common_tick);
   if (answers.outcome && answers.ignored.empty()) {
-    set_line(LineInHand{.starts = demands_of(call.snapshots()),
+    set_line(ActiveLine{.starts = demands_of(call.snapshots()),
                         .targets = request.targets,
                         .duration = plan->duration,
                         .start_tick = answers.tick,
@@ -347,7 +348,7 @@ void AxisGroup::State::withdraw(AxesCall& call) {
   (void)call.exchange(rounds, Timing::at_once);  // the axis may refuse this too
 }
 
-bool AxisGroup::State::has_arrived(const LineInHand& line, std::span<const AxisSnapshot> axes) {
+bool AxisGroup::State::has_arrived(const ActiveLine& line, std::span<const AxisSnapshot> axes) {
   for (std::size_t place = 0; place < axes.size(); ++place) {
     if (!demand_arrived(axes[place], line.targets[place])) return false;
   }
@@ -356,7 +357,7 @@ bool AxisGroup::State::has_arrived(const LineInHand& line, std::span<const AxisS
 
 Outcome AxisGroup::State::await_line(AxesCall& call, const GroupCallOptions& options,
                                      bool in_position) {
-  const auto moving = line_in_hand();
+  const auto moving = active_line();
   if (!moving) return {};
   call.set_timeout(options.timeout.value_or(moving->duration + kBeyondDuration));
   call.note_in_force(moving->start_tick);
@@ -389,7 +390,7 @@ Outcome AxisGroup::State::run(AxesCall& call, const LineRequest& request,
   }
   if (Outcome started = start(call, request); !started) return started;
   if (options.until == Until::done) return await_line(call, options, true);
-  return call.await_enabled("the start", line_in_hand()->start_tick, every_axis);
+  return call.await_enabled("the start", active_line()->start_tick, every_axis);
 }
 
 Outcome AxisGroup::move_together(const Eigen::VectorXd& targets, const GroupMoveOptions& options) {
@@ -453,7 +454,7 @@ Outcome AxisGroup::State::resume(AxesCommand& resume, const GroupCallOptions& op
   if (stream) resume.release_streams_of(stream->released);
   std::set<std::uint32_t> stepped;
   resume.await_in_force(stepped);
-  if (resume.outcome() && options.until == Until::done && line_in_hand()) {
+  if (resume.outcome() && options.until == Until::done && active_line()) {
     return explained(await_line(resume.call(), options, true));
   }
   resume.finish();

@@ -31,7 +31,7 @@ struct LineRequest {
 };
 
 /// A straight line that has been handed over to the axes.
-struct LineInHand {
+struct ActiveLine {
   std::vector<std::int32_t> starts;
   std::vector<std::int32_t> targets;
   std::chrono::microseconds duration{0};  ///< an upper bound if the line started in motion
@@ -85,7 +85,7 @@ struct AxisGroup::State {
   GroupLayout layout;
 
   std::mutex mutex;  ///< guards the members up to `queue`
-  std::optional<LineInHand> line;
+  std::optional<ActiveLine> line;
   std::deque<LineRequest> queue;
 
   std::unique_ptr<Stream> stream;
@@ -114,7 +114,7 @@ struct AxisGroup::State {
   Outcome start(AxesCall& call, const LineRequest& request);
 
   /// @return whether the demand positions are at rest on their targets.
-  [[nodiscard]] static bool has_arrived(const LineInHand& line, std::span<const AxisSnapshot> axes);
+  [[nodiscard]] static bool has_arrived(const ActiveLine& line, std::span<const AxisSnapshot> axes);
 
   /// Waits until the present line has arrived: the demand positions and, with `in_position`, the
   /// axes too.
@@ -123,8 +123,8 @@ struct AxisGroup::State {
   /// Starts `request`, then waits as the options require.
   Outcome run(AxesCall& call, const LineRequest& request, const GroupCallOptions& options);
 
-  [[nodiscard]] std::optional<LineInHand> line_in_hand();
-  void set_line(std::optional<LineInHand> started);
+  [[nodiscard]] std::optional<ActiveLine> active_line();
+  void set_line(std::optional<ActiveLine> started);
   std::optional<LineRequest> next_request();
   void drop_queue();
 
@@ -149,9 +149,9 @@ struct AxisGroup::State {
  private:
   /// @return distances and limits of the axes from their present positions to the targets; the
   ///         distances are for a line from rest.
-  Result<std::vector<AxisWay>> ways_of(AxesCall& call, const LineRequest& request,
-                                       bool in_motion) const;
-  [[nodiscard]] Outcome takes_too_long(std::span<const AxisWay> ways) const;
+  Result<std::vector<AxisDistance>> ways_of(AxesCall& call, const LineRequest& request,
+                                            bool in_motion) const;
+  [[nodiscard]] Outcome takes_too_long(std::span<const AxisDistance> ways) const;
   Result<LinePlan> plan_from_rest(AxesCall& call, const LineRequest& request) const;
   Result<LinePlan> plan_in_motion(AxesCall& call, const LineRequest& request);
   static void withdraw(AxesCall& call);

@@ -18,10 +18,10 @@ constexpr microseconds kLongest{std::numeric_limits<std::uint32_t>::max()};
 constexpr double kLongestWay = std::numeric_limits<std::uint32_t>::max();  // [UU]
 
 /// Limits of the path parameter [1/s, 1/s²].
-MotionLimits along_path(std::span<const AxisWay> ways) {
+MotionLimits along_path(std::span<const AxisDistance> ways) {
   constexpr double kInfinity = std::numeric_limits<double>::infinity();
   MotionLimits path{.velocity = kInfinity, .acceleration = kInfinity, .deceleration = kInfinity};
-  for (const AxisWay& way : ways) {
+  for (const AxisDistance& way : ways) {
     if (way.distance == 0.0) continue;
     path.velocity = std::min(path.velocity, way.limits.velocity / way.distance);
     path.acceleration = std::min(path.acceleration, way.limits.acceleration / way.distance);
@@ -31,10 +31,10 @@ MotionLimits along_path(std::span<const AxisWay> ways) {
 }
 
 /// Jerk of the path parameter [1/s³]; infinite if no axis limits it.
-MotionJerk jerk_along_path(std::span<const AxisWay> ways) {
+MotionJerk jerk_along_path(std::span<const AxisDistance> ways) {
   constexpr double kInfinity = std::numeric_limits<double>::infinity();
   MotionJerk path{.acceleration = kInfinity, .deceleration = kInfinity};
-  for (const AxisWay& way : ways) {
+  for (const AxisDistance& way : ways) {
     if (way.distance == 0.0 || !is_limited(way.jerk)) continue;
     path.acceleration = std::min(path.acceleration, way.jerk.acceleration / way.distance);
     path.deceleration = std::min(path.deceleration, way.jerk.deceleration / way.distance);
@@ -91,7 +91,7 @@ microseconds rounded_up(double seconds) {
 
 }  // namespace
 
-bool keeps_limits(const AxisWay& way, const LineTimes& times) noexcept {
+bool keeps_limits(const AxisDistance& way, const LineTimes& times) noexcept {
   // The same expressions as in the drive's own check, to the last bit.
   const MoveTimes seconds{
       .duration = static_cast<double>(times.duration.count()) * kMicrosecond,
@@ -106,8 +106,8 @@ bool keeps_limits(const AxisWay& way, const LineTimes& times) noexcept {
          needed.deceleration <= way.limits.deceleration && keeps_jerk;
 }
 
-std::optional<LineTimes> plan_line(std::span<const AxisWay> ways, microseconds period) {
-  const bool any = std::ranges::any_of(ways, [](const AxisWay& way) {
+std::optional<LineTimes> plan_line(std::span<const AxisDistance> ways, microseconds period) {
+  const bool any = std::ranges::any_of(ways, [](const AxisDistance& way) {
     return way.distance != 0.0;
   });
   if (!any) return LineTimes{};
@@ -129,7 +129,7 @@ std::optional<LineTimes> plan_line(std::span<const AxisWay> ways, microseconds p
   const double ramp_seconds = static_cast<double>(ramps.count()) * kMicrosecond;
   const microseconds shortest = std::max(ramps, rounded_up(0.5 * ramp_seconds + 1.0 / peak));
   times.duration = (shortest + period - microseconds{1}) / period * period;
-  const auto kept = [&times](const AxisWay& way) {
+  const auto kept = [&times](const AxisDistance& way) {
     return way.distance == 0.0 || keeps_limits(way, times);
   };
   while (times.duration <= kLongest && !std::ranges::all_of(ways, kept)) times.duration += period;
@@ -137,17 +137,17 @@ std::optional<LineTimes> plan_line(std::span<const AxisWay> ways, microseconds p
   return times;
 }
 
-std::optional<MovingTimes> plan_moving_line(std::span<const AxisWay> ways) {
+std::optional<MovingTimes> plan_moving_line(std::span<const AxisDistance> ways) {
   // The duration ends nothing: rounding it to ticks would only make it longer, and the axes slower.
   constexpr microseconds kFinest{1};
   const MotionLimits path = along_path(ways);
   const double needed = way_of_ramps(path.velocity, path, jerk_along_path(ways));
-  const double longest = std::ranges::max_element(ways, {}, &AxisWay::distance)->distance;
+  const double longest = std::ranges::max_element(ways, {}, &AxisDistance::distance)->distance;
   // One more than needed: rounding up makes the ramps longer.
   const double stretch =
       std::max(1.0, std::min(std::floor(needed) + 1.0, std::floor(kLongestWay / longest)));
-  std::vector<AxisWay> stretched(ways.begin(), ways.end());
-  for (AxisWay& way : stretched) way.distance *= stretch;
+  std::vector<AxisDistance> stretched(ways.begin(), ways.end());
+  for (AxisDistance& way : stretched) way.distance *= stretch;
   const auto times = plan_line(stretched, kFinest);
   if (!times) return std::nullopt;
   return MovingTimes{.times = *times, .stretch = static_cast<std::uint32_t>(stretch)};

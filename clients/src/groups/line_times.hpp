@@ -12,7 +12,7 @@
 namespace vdrive::client {
 
 /// The distance of one axis of a straight line, and its limits.
-struct AxisWay {
+struct AxisDistance {
   double distance = 0.0;  ///< [UU] >= 0
   MotionLimits limits;
   MotionJerk jerk{};  ///< default: not limited, trapezoids
@@ -36,7 +36,7 @@ struct LineTimes {
 /// lengthens the ramps.
 /// @return all 0 if no axis has a distance; nothing if an axis has a distance and must not move, or
 ///         if the duration exceeds the range of 5E10h, 2^32 - 1 us
-[[nodiscard]] std::optional<LineTimes> plan_line(std::span<const AxisWay> ways,
+[[nodiscard]] std::optional<LineTimes> plan_line(std::span<const AxisDistance> ways,
                                                  std::chrono::microseconds period);
 
 /// Common times of a line that starts in motion, for distances `stretch` times as long.
@@ -51,7 +51,7 @@ struct MovingTimes {
 /// distance and the speed of the axes do not matter.
 /// @param ways integers of at least 1 UU
 /// @return nothing if plan_line() returns nothing for the stretched distances
-[[nodiscard]] std::optional<MovingTimes> plan_moving_line(std::span<const AxisWay> ways);
+[[nodiscard]] std::optional<MovingTimes> plan_moving_line(std::span<const AxisDistance> ways);
 
 /// An upper bound for the duration of a line that starts in motion.
 /// @param left the remaining distance to the target, and `speed` [1/s], both in stretched distances
@@ -60,6 +60,6 @@ struct MovingTimes {
                                                          double speed) noexcept;
 
 /// @return whether an axis that covers its distance in these times stays within its limits.
-[[nodiscard]] bool keeps_limits(const AxisWay& way, const LineTimes& times) noexcept;
+[[nodiscard]] bool keeps_limits(const AxisDistance& way, const LineTimes& times) noexcept;
 
 }  // namespace vdrive::client

@@ -108,22 +108,22 @@ Outcome Discovery::check_process() const {
 
 template <typename Condition>
 void Discovery::search(std::optional<std::uint32_t> number, const Condition& condition,
-                       const Settling* settling) {
+                       const SearchCompletion* settling) {
   const auto begin = Clock::now();
   SearchTime time(begin, options_.find_timeout);
   auto announce_at = begin + kAnnounceAgain;
   while (true) {
     // Read before looking, so that a later sample ends the wait immediately.
     const std::uint64_t changes = wakeup_.changes();
-    const Sight sight = look(number);
-    const bool has_found = condition(sight);
+    const SearchFindings findings = look(number);
+    const bool has_found = condition(findings);
     {
       const std::scoped_lock lock(mutex_);
-      seen_ = text_of(sight, time.delay());
+      seen_ = text_of(findings, time.delay());
     }
     const auto now = Clock::now();
-    const auto end = time.end(sight.present == 0 && sight.undescribed != 0);
-    if (has_found || sight.is_complete || wakeup_.is_interrupted() || now >= end) return;
+    const auto end = time.end(findings.present == 0 && findings.undescribed != 0);
+    if (has_found || findings.is_complete || wakeup_.is_interrupted() || now >= end) return;
     if (now >= announce_at) {
       announce_at = now + kAnnounceAgain;
       participant_.announce_again();
@@ -137,32 +137,33 @@ void Discovery::search(std::optional<std::uint32_t> number, const Condition& con
 }
 
 /// @param number if the search is for one bench only
-Sight Discovery::look(std::optional<std::uint32_t> number) const {
+SearchFindings Discovery::look(std::optional<std::uint32_t> number) const {
   const std::vector<wire::OtherParticipant> others = presence_.others();
-  Sight sight{.participants = others.size()};
+  SearchFindings findings{.participants = others.size()};
   const std::scoped_lock lock(mutex_);
   const auto now = this->now();
-  sight.present = number ? (directory_.find(*number, now) ? 1 : 0) : directory_.count_present(now);
+  findings.present =
+      number ? (directory_.find(*number, now) ? 1 : 0) : directory_.count_present(now);
   for (const wire::OtherParticipant& other : others) {
     const auto bench = bench_of_service(other.name);
     if (!bench || (number && *bench != *number)) continue;
     if (other.is_closed != participant_.is_closed()) {
-      ++sight.unreachable;
+      ++findings.unreachable;
       continue;
     }
-    ++sight.services;
-    if (!directory_.has_shown_itself(other.source, now)) ++sight.undescribed;
+    ++findings.services;
+    if (!directory_.has_shown_itself(other.source, now)) ++findings.undescribed;
   }
-  sight.is_complete = !presence_.may_miss_some() && sight.undescribed == 0;
-  return sight;
+  findings.is_complete = !presence_.may_miss_some() && findings.undescribed == 0;
+  return findings;
 }
 
 std::vector<PresentBench> Discovery::find_benches() {
   if (origin_.is_inherited()) return {};
-  Settling settling(Clock::now());
+  SearchCompletion settling(Clock::now());
   std::optional<std::vector<PresentBench>> found;
-  const auto has_found = [&](const Sight& sight) {
-    if (!settling.has_ended(sight, Clock::now())) return false;
+  const auto has_found = [&](const SearchFindings& findings) {
+    if (!settling.has_ended(findings, Clock::now())) return false;
     found = present();
     return true;
   };
@@ -208,7 +209,7 @@ Discovery::Services Discovery::others_announced() const {
   return others;
 }
 
-std::string Discovery::what_is_there() const {
+std::string Discovery::found_text() const {
   const std::vector<PresentBench> benches = present();
   const Services others = others_announced();
   if (!benches.empty() && others.size() <= benches.size()) return ", " + list_of(benches) + seen();
@@ -261,12 +262,12 @@ Result<PresentBench> Discovery::find_bench(std::optional<std::uint32_t> number) 
   };
   // First without a search: most calls are for a bench that is present.
   if (!find()) {
-    search(wanted, [&](const Sight& /*sight*/) {
+    search(wanted, [&](const SearchFindings& /*findings*/) {
       return find();
     });
   }
   if (found) return std::move(*found);
-  return not_found(wanted, "no bench " + std::to_string(wanted) + place() + what_is_there());
+  return not_found(wanted, "no bench " + std::to_string(wanted) + place() + found_text());
 }
 
 Outcome Discovery::not_found(std::optional<std::uint32_t> bench, std::string text) const {
@@ -304,13 +305,13 @@ Result<AxisInfo> Discovery::find_on_bench(std::uint32_t bench, std::string_view 
 /// Ends when the bench with the name is found and every bench met has described its axes: if two
 /// axes share the name, neither may be commanded by accident.
 Result<AxisInfo> Discovery::find_name(std::string_view name) {
-  Settling settling(Clock::now());
+  SearchCompletion settling(Clock::now());
   std::vector<PresentBench> benches;
   std::vector<AxisInfo> matches;
-  const auto has_found = [&](const Sight& sight) {
+  const auto has_found = [&](const SearchFindings& findings) {
     benches = present();
     matches = axes_named(name, benches);
-    return settling.has_ended(sight, Clock::now()) || (!matches.empty() && !expects_more());
+    return settling.has_ended(findings, Clock::now()) || (!matches.empty() && !expects_more());
   };
   search(options_.bench, has_found, &settling);
   if (matches.size() == 1) return std::move(matches.front());
@@ -322,7 +323,7 @@ Result<AxisInfo> Discovery::find_name(std::string_view name) {
     const std::string text =
         "no axis is named " + in_quotes(name) + suggestion(name, names) + place();
     if (!benches.empty()) return Outcome::not_found(text + ", " + list_of(benches));
-    return not_found(std::nullopt, text + what_is_there());
+    return not_found(std::nullopt, text + found_text());
   }
   return Outcome::not_found("several axes are named " + in_quotes(name) + ": " +
                             to_string(matches[0].id) + ", " + to_string(matches[1].id));

@@ -175,7 +175,7 @@ class Discovery {
   Result<AxisInfo> find_name(std::string_view name);
   Result<AxisInfo> find_on_bench(std::uint32_t bench, std::string_view axis);
   [[nodiscard]] bool expects_more() const;
-  [[nodiscard]] Sight look(std::optional<std::uint32_t> number) const;
+  [[nodiscard]] SearchFindings look(std::optional<std::uint32_t> number) const;
   /// @return where this session searches, such as " on domain 3".
   [[nodiscard]] std::string place() const;
   /// @return the findings of the last search, in brackets.
@@ -185,14 +185,14 @@ class Discovery {
   [[nodiscard]] Services others_announced() const;
   /// @return the end of the message of an unsuccessful search: the benches that are present, the
   ///         findings of the search, and the next step if there is no bench.
-  [[nodiscard]] std::string what_is_there() const;
+  [[nodiscard]] std::string found_text() const;
   /// Searches until `condition`, called with the present findings, holds, or the time of a search
   /// is up.
   /// @param number if the search is for one bench only
   template <typename Condition>
   /// @param settling for a search that ends when it has settled
   void search(std::optional<std::uint32_t> number, const Condition& condition,
-              const Settling* settling = nullptr);
+              const SearchCompletion* settling = nullptr);
   /// Called with the lock held.
   /// @return why a silent bench is lost.
   [[nodiscard]] Outcome lost_in_silence(const Target& target, Clock::time_point now,

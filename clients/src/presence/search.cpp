@@ -32,17 +32,17 @@ constexpr milliseconds kShownDelay{10};
 
 }  // namespace
 
-std::string text_of(const Sight& sight, SearchClock::duration delay) {
+std::string text_of(const SearchFindings& findings, SearchClock::duration delay) {
   std::string text = "seen: ";
-  text += sight.participants == 0
+  text += findings.participants == 0
               ? "no other participant"
-              : counted(sight.participants, "other participant", "other participants");
-  if (sight.undescribed != 0) {
-    text += ", " + counted(sight.undescribed, "service that has not described its bench",
+              : counted(findings.participants, "other participant", "other participants");
+  if (findings.undescribed != 0) {
+    text += ", " + counted(findings.undescribed, "service that has not described its bench",
                            "services that have not described their benches");
   }
-  if (sight.unreachable != 0) {
-    text += ", " + counted(sight.unreachable, "service", "services") +
+  if (findings.unreachable != 0) {
+    text += ", " + counted(findings.unreachable, "service", "services") +
             " in the other mode, open or closed, than this program";
   }
   if (delay >= kShownDelay) {
@@ -64,15 +64,15 @@ SearchClock::time_point SearchTime::end(bool is_expecting) const {
          std::min(kThreadsOfMessage * delay_, kMostTimesForDelay * timeout_);
 }
 
-bool Settling::has_ended(const Sight& sight, SearchClock::time_point now) {
-  services_.note(sight.services, now);
-  benches_.note(sight.present, now);
-  if (sight.is_complete) return true;
-  return sight.present != 0 && sight.undescribed == 0 &&
+bool SearchCompletion::has_ended(const SearchFindings& findings, SearchClock::time_point now) {
+  services_.note(findings.services, now);
+  benches_.note(findings.present, now);
+  if (findings.is_complete) return true;
+  return findings.present != 0 && findings.undescribed == 0 &&
          (benches_.has_ended(now) || services_.has_ended(now));
 }
 
-SearchClock::time_point Settling::next_end(SearchClock::time_point now) const {
+SearchClock::time_point SearchCompletion::next_end(SearchClock::time_point now) const {
   auto next = SearchClock::time_point::max();
   for (const auto end : {services_.end(), benches_.end()}) {
     if (end > now) next = std::min(next, end);
@@ -80,7 +80,7 @@ SearchClock::time_point Settling::next_end(SearchClock::time_point now) const {
   return next;
 }
 
-void Settling::Count::note(std::size_t count, SearchClock::time_point now) {
+void SearchCompletion::Count::note(std::size_t count, SearchClock::time_point now) {
   if (count == count_) return;
   if (count_ == 0) {
     settle_ = std::max<SearchClock::duration>(kSettle, kSettleTimes * (now - begin_));
@@ -89,7 +89,7 @@ void Settling::Count::note(std::size_t count, SearchClock::time_point now) {
   end_ = now + settle_;
 }
 
-bool Settling::Count::has_ended(SearchClock::time_point now) const {
+bool SearchCompletion::Count::has_ended(SearchClock::time_point now) const {
   return count_ != 0 && now >= end_;
 }
 

@@ -10,7 +10,7 @@ namespace vdrive::client {
 using SearchClock = std::chrono::steady_clock;
 
 /// A snapshot of what a search for benches has found so far.
-struct Sight {
+struct SearchFindings {
   std::size_t present = 0;       ///< benches that are described and alive
   std::size_t participants = 0;  ///< other participants of any kind; clients do not see each other
   /// Participants of services that this session can meet: known some 100 ms before their benches.
@@ -22,7 +22,7 @@ struct Sight {
 
 /// @param delay see SearchTime
 /// @return such as "seen: 3 other participants, 1 service that has not described its bench".
-[[nodiscard]] std::string text_of(const Sight& sight, SearchClock::duration delay);
+[[nodiscard]] std::string text_of(const SearchFindings& findings, SearchClock::duration delay);
 
 /// The end of a search. A participant that has announced itself as a service is worth a longer
 /// wait. A machine that runs this thread late also delays every thread that a description passes
@@ -48,11 +48,11 @@ class SearchTime {
 
 /// Decides when a search that has found something has found everything: each service has described
 /// its bench, and for a while no further service or bench has appeared.
-class Settling {
+class SearchCompletion {
  public:
-  explicit Settling(SearchClock::time_point begin) : services_(begin), benches_(begin) {}
+  explicit SearchCompletion(SearchClock::time_point begin) : services_(begin), benches_(begin) {}
 
-  bool has_ended(const Sight& sight, SearchClock::time_point now);
+  bool has_ended(const SearchFindings& findings, SearchClock::time_point now);
 
   /// @return when the search must look again even if nothing changes: when the next of these waits
   ///         ends; the largest time point if none is in progress.

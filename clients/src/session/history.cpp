@@ -29,7 +29,7 @@ Result<RequestAnswer> exchange_with_bench(SessionCore& core, std::uint32_t bench
   const auto target = core.links.connect(bench);
   if (!target) return target.outcome();
   auto reply = core.control.exchange(*target, std::move(request), what + " of " + name_of(*target));
-  if (!reply) return core.names.named(*target, reply.outcome());
+  if (!reply) return core.names.with_session_name(*target, reply.outcome());
   return reply;
 }
 

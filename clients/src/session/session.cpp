@@ -293,7 +293,7 @@ Outcome Session::acquire(std::span<const AxisId> axes) {
   while (!left.empty()) {
     const auto part = left.first(std::min<std::size_t>(left.size(), msg::MAX_AXES_PER_FRAME));
     if (Outcome taken = core_->control.acquire(*target, part); !taken) {
-      return core_->names.named(*target, std::move(taken));
+      return core_->names.with_session_name(*target, std::move(taken));
     }
     left = left.subspan(part.size());
   }

@@ -10,7 +10,7 @@
 #include "exchange/command_history.hpp"
 #include "exchange/control.hpp"
 #include "exchange/exchange.hpp"
-#include "exchange/holdings.hpp"
+#include "exchange/held_axes.hpp"
 #include "exchange/session_names.hpp"
 #include "presence/discovery.hpp"
 #include "session/watchers.hpp"
@@ -48,7 +48,7 @@ class SessionCore : public std::enable_shared_from_this<SessionCore> {
   Wakeup wakeup;
   ObserverFailure failure{wakeup};
   ReportThreads reports;
-  Holdings holdings;
+  HeldAxes holdings;
   CommandHistory history;
   std::unique_ptr<wire::Participant> participant;
   Discovery discovery;

@@ -57,10 +57,10 @@ Outcome convert(const ConvertCommand& command, bool is_json, Terminal& terminal)
       terminal.print(to_line(contents_json(command.to, contents)));
       return {};
     }
-    terminal.complain(contents_text(command.to, contents));
+    terminal.print_error(contents_text(command.to, contents));
     if (!contents.cut.empty()) {
-      terminal.complain("vdrive: " + in_quotes(command.from) + " is incomplete: " + contents.cut +
-                        "; everything before was converted");
+      terminal.print_error("vdrive: " + in_quotes(command.from) +
+                           " is incomplete: " + contents.cut + "; everything before was converted");
     }
     return {};
   } catch (const recording::RecordingError& error) {

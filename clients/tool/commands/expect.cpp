@@ -97,7 +97,7 @@ client::Outcome ExpectCommand::run(CommandContext& context) const {
   auto found = context.axes.axis(axis);
   if (!found) return found.outcome();
   const Expectation expected = context.axes.in_user_units(*found, expectation);
-  tell_progress_of(expected, *found, context);
+  show_progress_of(expected, *found, context);
   client::Outcome outcome = context.judge.judge(*found, expected);
   context.progress.end();
   Record record = object_fields(found->id(), expected.object);
@@ -200,7 +200,7 @@ Outcome await_value(client::Axis& axis, const Expectation& awaited, Duration lim
                     CommandContext& context) {
   Expectation expectation = context.axes.in_user_units(axis, awaited);
   expectation.within = limit;
-  tell_progress_of(expectation, axis, context);
+  show_progress_of(expectation, axis, context);
   Outcome outcome = context.judge.judge(axis, expectation);
   const auto& found = context.judge.found();
   const bool is_late = found && !found->contains("error_code");

@@ -136,11 +136,11 @@ ExitCode unreadable(const JudgeCommand& command, const std::string& reason,
   if (program.options.json) {
     program.terminal.print(to_line({{"outcome", "unreadable"}, {"message", message}}));
   }
-  program.terminal.complain("vdrive: " + message);
+  program.terminal.print_error("vdrive: " + message);
   return ExitCode::unreadable;
 }
 
-void print_verdict(const judge::Verdict& verdict, const judge::ReportFace& face,
+void print_verdict(const judge::Verdict& verdict, const judge::ReportLabels& face,
                    const Program& program) {
   if (program.options.json) {
     for (const Json& object : judge_json(verdict, face)) program.terminal.print(to_line(object));
@@ -161,7 +161,7 @@ class ReportFiles {
         html_("--html", command.html) {}
 
   /// @return why one could not be written, or nothing.
-  std::optional<std::string> write(const judge::Verdict& verdict, const judge::ReportFace& face) {
+  std::optional<std::string> write(const judge::Verdict& verdict, const judge::ReportLabels& face) {
     std::optional<std::string> failure;
     const auto put = [&failure](ReportFile& file, const auto& text) {
       if (!file.is_wanted()) return;
@@ -270,7 +270,7 @@ class LiveRun {
     name_of_ = judge::axes_of_bench(bench);
     auto judge = judge::LiveJudge::create(session, bench, std::move(*axes));
     if (!judge) return judge.outcome();
-    program_.terminal.complain("vdrive: judging bench " + std::to_string(bench));
+    program_.terminal.print_error("vdrive: judging bench " + std::to_string(bench));
     client::Outcome outcome;
     while (outcome && !interrupt.happened() && !is_over(*judge)) {
       std::this_thread::sleep_for(judge::LiveJudge::kPollEvery);
@@ -294,10 +294,10 @@ class LiveRun {
     for (const judge::Finding& finding : judge.verdict().findings) {
       if (!told_.emplace(finding.rule, finding.axis).second) continue;
       const judge::RuleRow& row = judge::row_of(finding.rule);
-      program_.terminal.complain("vdrive: " + std::string(judge::to_string(row.severity)) + " " +
-                                 std::string(row.name) + " on " + name_of_(finding.axis) +
-                                 " at tick " + std::to_string(finding.first.tick) + ": " +
-                                 finding.happened);
+      program_.terminal.print_error("vdrive: " + std::string(judge::to_string(row.severity)) + " " +
+                                    std::string(row.name) + " on " + name_of_(finding.axis) +
+                                    " at tick " + std::to_string(finding.first.tick) + ": " +
+                                    finding.happened);
     }
   }
 
@@ -311,11 +311,11 @@ class LiveRun {
 ExitCode JudgeCommand::report(const Program& program, Judged& result,
                               const std::vector<judge::Exception>& excepted,
                               ReportFiles& reports) const {
-  judge::ReportFace face{.source = log, .name_of = result.name_of, .notes = result.notes};
+  judge::ReportLabels face{.source = log, .name_of = result.name_of, .notes = result.notes};
   face.unused = judge::except(result.verdict, excepted, result.name_of);
   print_verdict(result.verdict, face, program);
   if (const auto failure = reports.write(result.verdict, face)) {
-    program.terminal.complain("vdrive: " + *failure);
+    program.terminal.print_error("vdrive: " + *failure);
     return ExitCode::failed;
   }
   return judge::fails(result.verdict, fail_on) ? ExitCode::failed : ExitCode::ok;
@@ -336,7 +336,7 @@ ExitCode JudgeCommand::start_live(const Program& program) const {
   if (result.name_of) {
     const ExitCode code = report(program, result, excepted, reports);
     if (!outcome && code != ExitCode::ok) {
-      program.terminal.complain("vdrive: " + outcome.message());
+      program.terminal.print_error("vdrive: " + outcome.message());
     }
     if (outcome || code != ExitCode::ok) return code;
   }

@@ -231,7 +231,7 @@ Outcome JogCommand::run(CommandContext& context) const {
     if (!bench) return bench.outcome();
     ticks = client::ticks_of(*duration, bench->period);
   } else if (!context.output.is_quiet) {
-    context.output.terminal.complain("vdrive: Enter or Ctrl-C stops the axis");
+    context.output.terminal.print_error("vdrive: Enter or Ctrl-C stops the axis");
   }
   JogHold hold(ticks);
   const Outcome jogged = found->jog(
@@ -241,8 +241,8 @@ Outcome JogCommand::run(CommandContext& context) const {
       },
       run_at.options(context, *found, client::Until::done));
   if (jogged && context.session.is_interrupted()) {
-    context.output.terminal.complain("vdrive: interrupted; axis " +
-                                     context.axes.label_of(found->id()) + " is at standstill");
+    context.output.terminal.print_error("vdrive: interrupted; axis " +
+                                        context.axes.label_of(found->id()) + " is at standstill");
   }
   return report_axis(context, *found, {.command = "jog", .outcome = jogged, .has_arrived = true});
 }

@@ -30,7 +30,7 @@ void report_interrupt(client::Axis& axis, bool stops, const Outcome& moved,
   if (stops) {
     halt_after_interrupt(axis, context);
   } else if (!moved) {
-    context.output.terminal.complain("vdrive: " + moved.message());
+    context.output.terminal.print_error("vdrive: " + moved.message());
   }
 }
 
@@ -77,7 +77,7 @@ Outcome MoveCommand::run(CommandContext& context) const {
   const bool leaves_ramps =
       until == client::Until::in_force && (options.acceleration || options.deceleration);
   if (moved && leaves_ramps && !context.output.is_quiet) {
-    terminal.complain(
+    terminal.print_error(
         "vdrive: the ramps of this move act while it lasts: 6083h and 6084h stay as given");
   }
   if (context.session.is_interrupted()) {

@@ -38,11 +38,11 @@ void note_limits(const CommandContext& context, const client::Axis& axis, Object
   const std::int64_t upper = values->objects[2].value;
   if (values->objects[0].value == 0) {
     if (written == limits[0]) return;
-    context.output.terminal.complain(
+    context.output.terminal.print_error(
         "vdrive: the software limits are disabled: set app_position_limit_switch (3535h) = 1 to "
         "enable them");
   } else if (lower >= upper) {
-    context.output.terminal.complain(
+    context.output.terminal.print_error(
         "vdrive: the software limits are not in force: user_position_lower_limit (607Dh:1) = " +
         quantity_text(lower, Dimension::position, axis.unit()) +
         " is not below user_position_upper_limit (607Dh:2) = " +

@@ -39,9 +39,10 @@ Record restored(const client::Axis& axis) {
           file_field(axis, "; the configured values are in force after the next power cycle")};
 }
 
-constexpr AxisAction kStoreAction{.name = "store", .each = store_parameters, .deed = stored};
+constexpr AxisAction kStoreAction{
+    .name = "store", .each = store_parameters, .result_record = stored};
 constexpr AxisAction kRestoreAction{
-    .name = "restore", .each = restore_parameters, .deed = restored};
+    .name = "restore", .each = restore_parameters, .result_record = restored};
 
 }  // namespace
 

@@ -288,11 +288,12 @@ void report_plot(const PlotCommand& command, const Drawn& drawn, const std::stri
     output.terminal.print(to_line(plot_json(command, drawn, cut)));
     return;
   }
-  output.terminal.complain("vdrive: drew " + counted(drawn.samples, "sample", "samples") + " of " +
-                           both_names(drawn.axis) + " to " + in_quotes(command.picture));
+  output.terminal.print_error("vdrive: drew " + counted(drawn.samples, "sample", "samples") +
+                              " of " + both_names(drawn.axis) + " to " +
+                              in_quotes(command.picture));
   if (!cut.empty()) {
-    output.terminal.complain("vdrive: " + in_quotes(command.source) + " is incomplete: " + cut +
-                             "; everything before was drawn");
+    output.terminal.print_error("vdrive: " + in_quotes(command.source) + " is incomplete: " + cut +
+                                "; everything before was drawn");
   }
 }
 

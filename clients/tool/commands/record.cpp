@@ -76,7 +76,7 @@ void report_recording(const RecordingChoice& choice, std::size_t axes,
   if (output.is_json && choice.file != "-") {
     output.terminal.print(to_line(recording_json(choice, axes, summary)));
   } else {
-    output.terminal.complain(recording_text(choice, axes, summary));
+    output.terminal.print_error(recording_text(choice, axes, summary));
   }
 }
 

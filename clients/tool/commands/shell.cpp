@@ -323,12 +323,12 @@ class Shell {
       const Outcome outcome = carry_out(parse_shell_command(program_.commands, std::move(words)));
       // An interrupted command needs no explanation.
       const bool is_told = !outcome && !interrupt_.happened();
-      if (is_told) terminal_.complain("vdrive: " + outcome.message());
+      if (is_told) terminal_.print_error("vdrive: " + outcome.message());
       code = exit_code_of(outcome.kind());
     } catch (const UsageError& error) {
       code = report_usage(error.what(), program_.options.json, terminal_);
     } catch (const std::exception& error) {
-      terminal_.complain(std::string("vdrive: ") + error.what());
+      terminal_.print_error(std::string("vdrive: ") + error.what());
       code = ExitCode::failed;
     }
     terminal_.end_live();

@@ -27,7 +27,7 @@ std::string short_line(const client::Axis& axis, const client::AxisSnapshot& sta
 void show_status(const client::Axis& axis, const client::AxisSnapshot& status, bool is_only_one,
                  const CommandContext& context) {
   const Output& output = context.output;
-  AxisFace face{axis.name(), axis.unit()};
+  AxisLabel face{axis.name(), axis.unit()};
   if (output.is_json || is_only_one) face.owner = owner_of(context.session, status);
   if (output.is_json) {
     Json json = status_json(status, face);

@@ -226,9 +226,9 @@ class ScenarioTests {
                       std::to_string(milliseconds.count()) + " ms"});
     if (!passed) record.push_back({"messages", verdict.messages});
     print(record, {terminal_, options_.json, false});
-    for (const std::string& note : verdict.notes) terminal_.complain(note);
+    for (const std::string& note : verdict.notes) terminal_.print_error(note);
     if (passed || options_.json) return;
-    for (const std::string& message : verdict.messages) terminal_.complain(message);
+    for (const std::string& message : verdict.messages) terminal_.print_error(message);
   }
 
   const TestCommand& tests_;
@@ -306,7 +306,7 @@ ExitCode TestCommand::start(const Program& program) const {
   interrupt.disarm();
   const ExitCode code = running->conclude();
   if (const auto unwritten = junit.write(running->suites(), part)) {
-    program.terminal.complain("vdrive: " + *unwritten);
+    program.terminal.print_error("vdrive: " + *unwritten);
     if (code == ExitCode::ok) return ExitCode::not_run;
   }
   return interrupt.happened() ? ExitCode::interrupted : code;
@@ -323,7 +323,7 @@ ExitCode TestCommand::merge(const Program& program) const {
     throw;
   }
   for (const std::string& message : merged.messages) {
-    program.terminal.complain("vdrive: " + message);
+    program.terminal.print_error("vdrive: " + message);
   }
   const std::size_t present = merged.shards - merged.missing.size();
   print({{"shards", merged.shards,
@@ -333,7 +333,7 @@ ExitCode TestCommand::merge(const Program& program) const {
          {"passed", merged.passed, passed_text(merged.passed, merged.files)}},
         {program.terminal, program.options.json, false});
   if (const auto unwritten = junit.write(merged.suites)) {
-    program.terminal.complain("vdrive: " + *unwritten);
+    program.terminal.print_error("vdrive: " + *unwritten);
     if (merged.code == ExitCode::ok) return ExitCode::not_run;
   }
   return merged.code;

@@ -143,12 +143,12 @@ void WatchCommand::declare(Arguments& arguments) {
 Outcome WatchCommand::run(CommandContext& context) const {
   const auto found = axes.empty() ? context.axes.axes_of_all_benches() : context.axes.axes(axes);
   if (!found) return found.outcome();
-  std::map<client::AxisId, AxisFace> faces;
+  std::map<client::AxisId, AxisLabel> faces;
   AxesOfBenches benches;
   for (const client::Axis& axis : *found) {
     const auto bench = context.session.find_bench(axis.id().bench);
     if (!bench) return bench.outcome();
-    faces.emplace(axis.id(), AxisFace{axis.name(), axis.unit(), bench->name});
+    faces.emplace(axis.id(), AxisLabel{axis.name(), axis.unit(), bench->name});
     benches[axis.id().bench].push_back(axis.id());
   }
   // A bench without axes is not one of ours.

@@ -77,7 +77,7 @@ struct RosBench {
   std::uint8_t level = 0;
   std::string message{};
   std::string control{};  ///< "this bridge", "no session", or the controlling session
-  std::string enable{};   ///< "true" if axes are to be enabled
+  std::string enable{};   ///< "true" if axes should be enabled
   std::string network{};  ///< "loopback only", or addresses
 };
 

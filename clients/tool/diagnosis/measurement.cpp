@@ -290,8 +290,8 @@ ExitCode run_measurement(const MeasurementOptions& options, Interrupt& interrupt
     Measuring measuring(options.service, options.is_quick ? kQuick : kWhole, interrupt);
     const Measurement measurement =
         measuring.run([&](std::string_view part, std::chrono::milliseconds duration) {
-          terminal.complain("vdrive bench: " + std::string(part) + ", " +
-                            rounded(std::chrono::duration<double>(duration).count()) + " s");
+          terminal.print_error("vdrive bench: " + std::string(part) + ", " +
+                               rounded(std::chrono::duration<double>(duration).count()) + " s");
         });
     if (options.is_json) {
       terminal.print(to_line(measurement_json(measurement)));

@@ -102,7 +102,7 @@ Outcome AxisActionCommand::run(CommandContext& context) const {
     AxisReport report{.command = action->name,
                       .outcome = std::move(outcomes[i]),
                       .names_next_step = action->names_next_step};
-    if (action->deed != nullptr) report.deed = action->deed(axis);
+    if (action->result_record != nullptr) report.result_record = action->result_record(axis);
     Outcome reported = report_axis(context, axis, std::move(report),
                                    status == shown.states.end() ? nullptr : &status->second);
     if (reported && action->gains_control) context.judge.note_control(axis.id());

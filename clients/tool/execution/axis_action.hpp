@@ -37,7 +37,7 @@ struct AxisAction {
   CommandProgress::AxisTest is_done = nullptr;
 
   /// The report in place of the state; nullptr = the state.
-  Record (*deed)(const client::Axis& axis) = nullptr;
+  Record (*result_record)(const client::Axis& axis) = nullptr;
 };
 
 /// The arguments of such a command. Several axes get it together; a failure of one does not keep it

@@ -29,7 +29,7 @@ std::string with_name(std::string message, const std::string& number, const std:
 }
 
 /// @return the next step when another session is in the way.
-std::string way_on(const Outcome& outcome) {
+std::string next_step_after(const Outcome& outcome) {
   if (outcome.owner() == nullptr) return {};
   // The axis was taken during a command.
   if (outcome.code() != wire_code(AbortCode::refused_local_control)) {
@@ -132,7 +132,7 @@ Outcome AxisFinder::named(const Outcome& outcome) const {
     message = with_name(std::move(message), "axis " + to_string(id),
                         "axis " + escaped(name) + " (" + to_string(id) + ")");
   }
-  return outcome.with_message(message + way_on(outcome));
+  return outcome.with_message(message + next_step_after(outcome));
 }
 
 std::int64_t AxisFinder::user_units(const client::Axis& axis, const Quantity& quantity) const {

@@ -22,11 +22,12 @@ std::string next_step(const std::string& label, PowerState state) {
 Record record_of(const CommandContext& context, const client::Axis& axis, const AxisReport& report,
                  const client::AxisSnapshot* status) {
   const std::string label = context.axes.label_of(axis.id());
-  Record record{{"axis", to_string(axis.id()), report.deed ? label + ":" : std::string()},
+  Record record{{"axis", to_string(axis.id()), report.result_record ? label + ":" : std::string()},
                 {"command", report.command}};
   add_outcome(record, context.axes.named(report.outcome));
-  if (report.deed) {
-    if (report.outcome) record.insert(record.end(), report.deed->begin(), report.deed->end());
+  if (report.result_record) {
+    if (report.outcome)
+      record.insert(record.end(), report.result_record->begin(), report.result_record->end());
   } else if (status != nullptr) {
     const std::int32_t position = status->status.load_position_actual_value;
     record.push_back({"tick", status->tick});
@@ -85,7 +86,7 @@ void AxisFailures::take(client::Outcome reported, const CommandContext& context)
   if (first_) {
     first_ = std::move(reported);
   } else {
-    context.output.terminal.complain("vdrive: " + context.axes.named(reported).message());
+    context.output.terminal.print_error("vdrive: " + context.axes.named(reported).message());
   }
 }
 

@@ -17,10 +17,10 @@ namespace vdrive::tool {
 struct AxisReport {
   std::string_view command;  ///< its name
   client::Outcome outcome;
-  bool has_arrived = false;      ///< the motion has ended: the rest of the speed is not shown
-  bool names_next_step = true;   ///< a refusal because of the power state names the command needed
-                                 ///< first
-  std::optional<Record> deed{};  ///< reported in place of the state
+  bool has_arrived = false;     ///< the motion has ended: the rest of the speed is not shown
+  bool names_next_step = true;  ///< a refusal because of the power state names the command needed
+                                ///< first
+  std::optional<Record> result_record{};  ///< reported in place of the state
 };
 
 /// @return the command that an axis in this state needs before it can move, such as "enable"; empty

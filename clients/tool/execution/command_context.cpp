@@ -60,7 +60,7 @@ Outcome execute(const Command& command, CommandContext& context, std::optional<D
   return command.refusal ? judge_refusal(outcome, *command.refusal, context) : outcome;
 }
 
-void tell_progress_of(const Expectation& expectation, const client::Axis& axis,
+void show_progress_of(const Expectation& expectation, const client::Axis& axis,
                       CommandContext& context) {
   if (!expectation.within && !expectation.throughout) return;
   context.progress.axis(axis, context.axes.label_of(axis.id()),

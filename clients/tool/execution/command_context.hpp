@@ -18,7 +18,7 @@
 
 namespace vdrive::tool {
 
-/// Changes that commands have made to benches for everybody, and the values before.
+/// Changes that commands have made to benches for everybody, and the previous values.
 class BenchChanges {
  public:
   explicit BenchChanges(client::Session& session) : session_(session) {}
@@ -81,7 +81,7 @@ client::Outcome execute(const Command& command, CommandContext& context,
                         std::optional<Duration> timeout);
 
 /// Shows the progress of waiting for an expectation; nothing if it does not wait.
-void tell_progress_of(const Expectation& expectation, const client::Axis& axis,
+void show_progress_of(const Expectation& expectation, const client::Axis& axis,
                       CommandContext& context);
 
 /// Checks of a command that need its axes, made before anything moves.

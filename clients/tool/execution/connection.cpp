@@ -32,7 +32,7 @@ ExitCode finish(const client::Outcome& outcome, const Interrupt& interrupt, bool
   // The reader of a pipe has gone: that ends the stream and is not an error.
   if (!terminal.is_open() && !terminal.write_failure()) return ExitCode::ok;
   if (outcome) return ExitCode::ok;
-  terminal.complain("vdrive: " + outcome.message());
+  terminal.print_error("vdrive: " + outcome.message());
   if (is_json && outcome.kind() == client::OutcomeKind::not_found) {
     Record record;
     add_outcome(record, outcome);
@@ -43,7 +43,7 @@ ExitCode finish(const client::Outcome& outcome, const Interrupt& interrupt, bool
 
 ExitCode report_usage(const std::string& message, bool is_json, Terminal& terminal) {
   print({{"outcome", "usage"}, {"message", message}}, {terminal, is_json, false});
-  terminal.complain("vdrive: " + message);
+  terminal.print_error("vdrive: " + message);
   return ExitCode::usage;
 }
 

@@ -10,19 +10,19 @@ using client::Outcome;
 using client::OutcomeKind;
 
 /// Suspends an interrupt, which would also end calls that only read an axis.
-class InterruptAside {
+class SuspendedInterrupt {
  public:
-  explicit InterruptAside(client::Session& session)
+  explicit SuspendedInterrupt(client::Session& session)
       : session_(session), was_interrupted_(session.is_interrupted()) {
     if (was_interrupted_) session_.end_interrupt();
   }
 
-  ~InterruptAside() {
+  ~SuspendedInterrupt() {
     if (was_interrupted_) session_.interrupt();
   }
 
-  InterruptAside(const InterruptAside&) = delete;
-  InterruptAside& operator=(const InterruptAside&) = delete;
+  SuspendedInterrupt(const SuspendedInterrupt&) = delete;
+  SuspendedInterrupt& operator=(const SuspendedInterrupt&) = delete;
 
  private:
   client::Session& session_;
@@ -59,20 +59,20 @@ bool ends_session(const Outcome& outcome, const CommandContext& context) {
 
 void halt_after_interrupt(client::Axis& axis, const CommandContext& context) {
   const Outcome halted = axis.halt();
-  context.output.terminal.complain("vdrive: interrupted; " + end_text(halted, axis, context));
+  context.output.terminal.print_error("vdrive: interrupted; " + end_text(halted, axis, context));
 }
 
 Outcome end_endless_motion(client::Axis& axis, Outcome outcome, CommandContext& context) {
   const bool is_interrupted = context.session.is_interrupted();
   if (outcome || (!is_interrupted && !ends_session(outcome, context))) return outcome;
   context.progress.end();
-  const InterruptAside aside(context.session);
+  const SuspendedInterrupt aside(context.session);
   const bool may_begin = is_interrupted || outcome.kind() == OutcomeKind::timed_out;
   const bool is_driven = is_driven_here(context.session, axis, may_begin);
   if (is_interrupted && is_driven) {
     halt_after_interrupt(axis, context);
   } else if (is_interrupted) {
-    context.output.terminal.complain("vdrive: " + outcome.message());
+    context.output.terminal.print_error("vdrive: " + outcome.message());
   } else if (is_driven) {
     const Outcome halted = axis.halt();
     return outcome.with_message(outcome.message() + "; " + end_text(halted, axis, context) +

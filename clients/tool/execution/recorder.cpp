@@ -124,7 +124,7 @@ Outcome Recorder::record(const std::vector<ObservedBench>& benches) {
   } catch (const RecordingError& error) {
     has_begun_ = false;
     // After an interrupt the exit code is reported without the message, so it is printed here.
-    if (session_.is_interrupted()) terminal_.complain(std::string("vdrive: ") + error.what());
+    if (session_.is_interrupted()) terminal_.print_error(std::string("vdrive: ") + error.what());
     return Outcome::failed(error.what());
   }
 }
@@ -167,7 +167,7 @@ Outcome Recorder::record_into(std::unique_ptr<recording::Writer> writer,
   watch_services();
   const bool has_end = choice_.duration || choice_.count != 0;
   if (!has_end && terminal_.is_read_by_person()) {
-    terminal_.complain("vdrive: recording; Ctrl-C ends it");
+    terminal_.print_error("vdrive: recording; Ctrl-C ends it");
   }
   Outcome outcome = follow(tracks);
   session_.watch_services(nullptr);
@@ -232,7 +232,7 @@ Outcome Recorder::take_samples(Track& track) {
     if (!sample) return sample.outcome();
     if (track.silent_since) {
       track.silent_since.reset();
-      terminal_.complain("vdrive: bench " + std::to_string(track.bench) + " sends again");
+      terminal_.print_error("vdrive: bench " + std::to_string(track.bench) + " sends again");
     }
     take(track, std::move(*sample));
     patience = std::chrono::milliseconds(0);
@@ -261,7 +261,7 @@ Outcome Recorder::wait_for(Track& track) {
   const Clock::time_point now = Clock::now();
   if (!track.silent_since) {
     track.silent_since = now;
-    terminal_.complain("vdrive: " + bench + " sends nothing: waiting " + seconds + " for it");
+    terminal_.print_error("vdrive: " + bench + " sends nothing: waiting " + seconds + " for it");
   }
   if (now - *track.silent_since < choice_.lost_after) return {};
   return Outcome::lost("the recording ends: " + bench + " has sent nothing for " + seconds);

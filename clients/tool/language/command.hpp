@@ -64,7 +64,7 @@ enum class CommandGroup : std::uint8_t {
 };
 
 /// The name and help of a command.
-struct CommandFace {
+struct CommandHelp {
   std::string_view name;
   CommandGroup group = CommandGroup::none;
   std::string_view summary;
@@ -80,7 +80,7 @@ using CommandMaker = std::function<Command()>;
 /// The interface of a command to the rest of the tool; `row_of` derives it from the struct of its
 /// arguments.
 struct CommandRow {
-  CommandFace face;
+  CommandHelp face;
 
   /// Declares the arguments.
   CommandMaker (*declare)(Arguments& arguments) = nullptr;
@@ -140,7 +140,7 @@ template <typename Given>
 ///         both, and with `check_objects` and `check_units` if there is something to check
 /// @tparam make returns the arguments with their initial values
 template <typename Given, Given (*make)() = &no_arguments<Given>>
-[[nodiscard]] consteval CommandRow row_of(const CommandFace& face) {
+[[nodiscard]] consteval CommandRow row_of(const CommandHelp& face) {
   constexpr bool kRuns = requires(const Given& given, CommandContext& context) {
     given.run(context);
   };

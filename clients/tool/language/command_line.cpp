@@ -360,7 +360,7 @@ class CommandLine {
   }
 
   void add_command(const CommandRow& row, Place place) {
-    const CommandFace& face = row.face;
+    const CommandHelp& face = row.face;
     CLI::App* const command =
         app_.add_subcommand(std::string(face.name), std::string(face.summary));
     command->group(std::string(title_of(face.group)));

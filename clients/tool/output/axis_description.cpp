@@ -211,7 +211,7 @@ std::optional<std::uint16_t> last_fault_of(const client::AxisSnapshot& status,
 }
 
 Json description_json(const AxisDescription& described) {
-  Json json = status_json(described.status, AxisFace{described.axis.name, described.axis.unit});
+  Json json = status_json(described.status, AxisLabel{described.axis.name, described.axis.unit});
   json["mode"] = to_string(described.status.mode());
   json["bench"] = described.bench.number;
   json["bench_name"] = described.bench.name;

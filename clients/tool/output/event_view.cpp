@@ -207,8 +207,8 @@ client::Outcome show_events(client::Session& session, const EventChoice& choice,
     if (is_chosen(choice, event)) print(event, choice.is_json, name_of, terminal);
   });
   if (dropped > 0) {
-    terminal.complain("vdrive: " + counted(dropped, "event was", "events were") +
-                      " dropped: they arrived faster than they could be printed");
+    terminal.print_error("vdrive: " + counted(dropped, "event was", "events were") +
+                         " dropped: they arrived faster than they could be printed");
   }
   return {};
 }

@@ -40,7 +40,7 @@ Json lines_json(const judge::Finding& finding) {
   return lines;
 }
 
-Json finding_json(const judge::Finding& finding, const judge::ReportFace& face) {
+Json finding_json(const judge::Finding& finding, const judge::ReportLabels& face) {
   const judge::RuleRow& row = judge::row_of(finding.rule);
   return {{"rule", row.name},
           {"severity", judge::to_string(row.severity)},
@@ -55,7 +55,7 @@ Json finding_json(const judge::Finding& finding, const judge::ReportFace& face) 
           {"remedy", row.remedy}};
 }
 
-Json excepted_json(const judge::Verdict& verdict, const judge::ReportFace& face) {
+Json excepted_json(const judge::Verdict& verdict, const judge::ReportLabels& face) {
   Json excepted = Json::array();
   for (const judge::Excepted& entry : verdict.excepted) {
     excepted.push_back({{"rule", judge::row_of(entry.finding.rule).name},
@@ -66,7 +66,7 @@ Json excepted_json(const judge::Verdict& verdict, const judge::ReportFace& face)
   return excepted;
 }
 
-Json unused_json(const judge::ReportFace& face) {
+Json unused_json(const judge::ReportLabels& face) {
   Json unused = Json::array();
   for (const judge::Exception& exception : face.unused) {
     unused.push_back({{"rule", judge::row_of(exception.rule).name},
@@ -76,7 +76,7 @@ Json unused_json(const judge::ReportFace& face) {
   return unused;
 }
 
-Json unjudged_json(const judge::Verdict& verdict, const judge::ReportFace& face) {
+Json unjudged_json(const judge::Verdict& verdict, const judge::ReportLabels& face) {
   Json all = Json::array();
   for (const judge::Unjudged& unjudged : verdict.unjudged) {
     Json names = Json::array();
@@ -89,7 +89,7 @@ Json unjudged_json(const judge::Verdict& verdict, const judge::ReportFace& face)
   return all;
 }
 
-Json end_json(const judge::Verdict& verdict, const judge::ReportFace& face) {
+Json end_json(const judge::Verdict& verdict, const judge::ReportLabels& face) {
   const auto count = [&verdict](judge::Severity severity) {
     return std::ranges::count_if(verdict.findings, [severity](const judge::Finding& finding) {
       return judge::row_of(finding.rule).severity == severity;
@@ -109,7 +109,7 @@ Json end_json(const judge::Verdict& verdict, const judge::ReportFace& face) {
 }
 
 /// @return such as "node 5 at 3.200000 s, line 12: bit 4 rose ... (3 times)".
-std::string message_of(const judge::Finding& finding, const judge::ReportFace& face) {
+std::string message_of(const judge::Finding& finding, const judge::ReportLabels& face) {
   std::string text = face.name_of(finding.axis) + " at " + judge::place_text(finding.first);
   if (finding.first.line != 0) text += ", line " + std::to_string(finding.first.line);
   text += ": " + finding.happened;
@@ -139,7 +139,7 @@ Json sarif_rules() {
   return all;
 }
 
-Json sarif_result(const judge::Finding& finding, const judge::ReportFace& face) {
+Json sarif_result(const judge::Finding& finding, const judge::ReportLabels& face) {
   const judge::RuleRow& row = judge::row_of(finding.rule);
   Json physical{{"artifactLocation", {{"uri", face.source}}}};
   if (finding.first.line != 0) physical["region"] = {{"startLine", finding.first.line}};
@@ -233,7 +233,7 @@ std::optional<PlotTraces> finding_traces(const judge::Finding& finding) {
 }
 
 void add_html_finding(std::string& page, const judge::Finding& finding,
-                      const judge::ReportFace& face) {
+                      const judge::ReportLabels& face) {
   const judge::RuleRow& row = judge::row_of(finding.rule);
   const std::string severity(judge::to_string(row.severity));
   page += "<h2 id=\"" + html_text(row.name) + "-" + std::to_string(finding.axis) +
@@ -285,7 +285,7 @@ std::size_t times_unjudged(const judge::Verdict& verdict, judge::Rule rule) {
 
 }  // namespace
 
-std::vector<Json> judge_json(const judge::Verdict& verdict, const judge::ReportFace& face) {
+std::vector<Json> judge_json(const judge::Verdict& verdict, const judge::ReportLabels& face) {
   std::vector<Json> objects;
   for (const judge::Finding& finding : verdict.findings) {
     Json object = finding_json(finding, face);
@@ -311,7 +311,7 @@ std::vector<Json> rules_json() {
   return objects;
 }
 
-JunitSuite judge_junit(const judge::Verdict& verdict, const judge::ReportFace& face,
+JunitSuite judge_junit(const judge::Verdict& verdict, const judge::ReportLabels& face,
                        judge::Severity fail_on) {
   JunitSuite suite{.name = face.source, .cases = {}};
   for (const judge::RuleRow& row : judge::rules()) {
@@ -336,7 +336,7 @@ JunitSuite judge_junit(const judge::Verdict& verdict, const judge::ReportFace& f
   return suite;
 }
 
-std::string judge_sarif(const judge::Verdict& verdict, const judge::ReportFace& face) {
+std::string judge_sarif(const judge::Verdict& verdict, const judge::ReportLabels& face) {
   Json results = Json::array();
   for (const judge::Finding& finding : verdict.findings)
     results.push_back(sarif_result(finding, face));
@@ -368,7 +368,7 @@ std::string judge_sarif(const judge::Verdict& verdict, const judge::ReportFace& 
   return log.dump(1, ' ', false, Json::error_handler_t::replace) + "\n";
 }
 
-std::string judge_html(const judge::Verdict& verdict, const judge::ReportFace& face) {
+std::string judge_html(const judge::Verdict& verdict, const judge::ReportLabels& face) {
   const std::string title = html_text(face.source) + ": " + judge::summary_text(verdict);
   std::string page(kPageHead);
   page += "<title>" + title + "</title>\n</head>\n<body>\n<h1>" + title + "</h1>\n<ul>\n";

@@ -189,7 +189,7 @@ Limits limits_of(const Panel& panel) {
 /// Draws the parts of one picture.
 class Picture {
  public:
-  Picture(const PlotTraces& traces, const PlotFace& face)
+  Picture(const PlotTraces& traces, const PlotStyle& face)
       : traces_(traces),
         face_(face),
         panels_(panels_of(traces)),
@@ -216,7 +216,7 @@ class Picture {
   }
 
  private:
-  static double height_of(const PlotFace& face, std::size_t panels) {
+  static double height_of(const PlotStyle& face, std::size_t panels) {
     if (face.height != 0) return face.height;
     return kHead + kFoot + static_cast<double>(panels) * (kUsualPanel + kPanelTitle);
   }
@@ -368,7 +368,7 @@ class Picture {
   }
 
   const PlotTraces& traces_;
-  const PlotFace& face_;
+  const PlotStyle& face_;
   std::vector<Panel> panels_;
   double width_;
   double height_;
@@ -396,7 +396,7 @@ std::size_t plot_bins(std::uint32_t width, std::size_t columns) noexcept {
   return std::min({pixels, kMostBins, kMostPoints / std::max<std::size_t>(columns, 1)});
 }
 
-std::string plot_svg(const PlotTraces& traces, const PlotFace& face) {
+std::string plot_svg(const PlotTraces& traces, const PlotStyle& face) {
   return Picture(traces, face).draw();
 }
 

@@ -17,7 +17,7 @@ inline constexpr std::uint32_t kSmallestPlotWidth = 320;  // [px]
 inline constexpr std::uint32_t kLargestPlotSide = 4000;   // [px]
 
 /// The appearance of a plot.
-struct PlotFace {
+struct PlotStyle {
   std::string title;                           ///< any text, will be escaped
   std::string note{};                          ///< below the title
   std::uint64_t origin = 0;                    ///< tick at time 0
@@ -39,6 +39,6 @@ struct PlotFace {
 /// Draws an SVG: the power state as a band, below it a panel for each quantity, with ticks, units
 /// and a legend, and a line at each fault. It has its own background and follows the light or dark
 /// scheme of the viewer. Equal traces give identical bytes.
-[[nodiscard]] std::string plot_svg(const PlotTraces& traces, const PlotFace& face);
+[[nodiscard]] std::string plot_svg(const PlotTraces& traces, const PlotStyle& face);
 
 }  // namespace vdrive::tool

@@ -38,11 +38,11 @@ std::string per_mille_text(int value) {
   return formatted("%.1f %%", value / 10.0);
 }
 
-Json status_json(const client::AxisSnapshot& axis, const AxisFace& face) {
+Json status_json(const client::AxisSnapshot& axis, const AxisLabel& face) {
   return recording::status_json(axis, face.name, face.unit);
 }
 
-std::vector<std::string> status_text(const client::AxisSnapshot& axis, const AxisFace& face) {
+std::vector<std::string> status_text(const client::AxisSnapshot& axis, const AxisLabel& face) {
   const auto in_unit = [&face](std::int32_t user_units) {
     return escaped(position_text(user_units, face.unit));
   };

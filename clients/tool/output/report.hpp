@@ -16,7 +16,7 @@
 namespace vdrive::tool {
 
 /// The name of an axis and its user units.
-struct AxisFace {
+struct AxisLabel {
   std::string name;
   client::Unit unit;
   std::string bench{};                         ///< name of its bench, if several are shown
@@ -24,11 +24,11 @@ struct AxisFace {
 };
 
 /// The status of an axis as in `status` and `watch`.
-[[nodiscard]] Json status_json(const client::AxisSnapshot& axis, const AxisFace& face);
+[[nodiscard]] Json status_json(const client::AxisSnapshot& axis, const AxisLabel& face);
 
 /// The same as several lines of text.
 [[nodiscard]] std::vector<std::string> status_text(const client::AxisSnapshot& axis,
-                                                   const AxisFace& face);
+                                                   const AxisLabel& face);
 
 /// The same as one line of text. @param label name of the axis
 [[nodiscard]] std::string status_line(const client::AxisSnapshot& axis, const std::string& label,

@@ -18,7 +18,7 @@ namespace {
 
 struct WatchedAxis {
   const client::AxisSnapshot& axis;
-  const AxisFace& face;
+  const AxisLabel& face;
 };
 
 struct WatchColumn {
@@ -227,8 +227,8 @@ std::size_t room_of(const TerminalSize& size) {
 
 }  // namespace
 
-const AxisFace& face_of(const client::AxisId& axis,
-                        const std::map<client::AxisId, AxisFace>& faces) {
+const AxisLabel& face_of(const client::AxisId& axis,
+                         const std::map<client::AxisId, AxisLabel>& faces) {
   const auto face = faces.find(axis);
   ensure(face != faces.end(), "each axis that is watched has a face");
   return face->second;
@@ -239,7 +239,7 @@ std::size_t page_of(const TerminalSize& size) {
 }
 
 std::vector<LiveLine> watch_table(const client::Observation& sample,
-                                  const std::map<client::AxisId, AxisFace>& faces,
+                                  const std::map<client::AxisId, AxisLabel>& faces,
                                   const TerminalSize& size, const WatchChoice& choice) {
   std::vector<WatchedAxis> axes;
   axes.reserve(sample.axes.size());
@@ -357,7 +357,7 @@ bool WatchView::show_lines() {
 }
 
 std::string WatchView::line_of(const client::AxisSnapshot& axis) const {
-  const AxisFace& face = face_of(axis.id, faces_);
+  const AxisLabel& face = face_of(axis.id, faces_);
   if (form_ == Form::json) return to_line(status_json(axis, face));
   const std::string line =
       std::to_string(axis.tick) + "  " + status_line(axis, to_string(axis.id), face.unit);

@@ -23,9 +23,9 @@ JunitCase judged(const Scenario& scenario, const std::vector<judge::Exception>& 
                  ScenarioVerdict& verdict) {
   std::ifstream file(journal, std::ios::binary);
   judge::JournalVerdict result = judge::judge_journal(file);
-  judge::ReportFace face{.source = scenario.file,
-                         .name_of = judge::axes_of_bench(result.bench),
-                         .notes = std::move(result.notes)};
+  judge::ReportLabels face{.source = scenario.file,
+                           .name_of = judge::axes_of_bench(result.bench),
+                           .notes = std::move(result.notes)};
   face.unused = judge::except(result.verdict, exceptions, face.name_of);
   for (const judge::Exception& unused : face.unused) {
     verdict.notes.push_back("vdrive: " + escaped(unused.place, kShownOfMessage) +

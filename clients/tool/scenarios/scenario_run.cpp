@@ -135,7 +135,7 @@ class ScenarioRun {
     if (outcome) {
       outcome = std::move(final_outcome);
     } else if (!final_outcome) {
-      terminal_.complain("vdrive: " + final_outcome.message());
+      terminal_.print_error("vdrive: " + final_outcome.message());
     }
     context_.live_view = nullptr;
     live_view_.reset();
@@ -187,7 +187,7 @@ class ScenarioRun {
       if (!done && outcome) {
         outcome = std::move(done);
       } else if (!done) {
-        terminal_.complain("vdrive: " + done.message());
+        terminal_.print_error("vdrive: " + done.message());
       }
     }
     return outcome;
@@ -239,7 +239,7 @@ class ScenarioRun {
   /// Restores the bench, so that the next scenario does not find the faults of this one.
   void put_back() {
     for (const std::string& done : context_.changes.put_back(context_.axes)) {
-      terminal_.complain("vdrive: restored: " + done);
+      terminal_.print_error("vdrive: restored: " + done);
     }
   }
 
@@ -340,7 +340,7 @@ class ScenarioRuns {
       Outcome outcome = run_one(i);
       if (was_interrupted_) return outcome;
       if (outcome) ++passed;
-      if (!outcome) terminal_.complain("vdrive: " + outcome.message());
+      if (!outcome) terminal_.print_error("vdrive: " + outcome.message());
     }
     return report_all(passed, runs_.size(), options_.is_json, terminal_);
   }
@@ -434,7 +434,7 @@ class ScenariosApart {
   ScenarioVerdict report_unreported(const Scenario& scenario, ScenarioVerdict verdict) {
     report_end(scenario, false, verdict.done, options_.is_json, terminal_);
     for (const std::string& message : verdict.messages) {
-      terminal_.complain("vdrive: " + escaped(scenario.file, kShownOfMessage) + ": " + message);
+      terminal_.print_error("vdrive: " + escaped(scenario.file, kShownOfMessage) + ": " + message);
     }
     return verdict;
   }

@@ -14,7 +14,7 @@ constexpr int kInterrupted = 130;
 // When a terminal is closed, the shell and the kernel both signal it, and `timeout` signals the
 // program and its group. Signals within this time therefore count as one, not as a second one that
 // ends the program immediately.
-constexpr std::chrono::milliseconds kOneWish{200};
+constexpr std::chrono::milliseconds kRepeatedSignalTime{200};
 
 bool is_ignored(int signal) {
   struct sigaction action {};
@@ -76,7 +76,7 @@ void Interrupt::note(int signal) {
     return;
   }
   // With a closed terminal there is no impatient user.
-  if (signal == SIGHUP || now - first_ < kOneWish) return;
+  if (signal == SIGHUP || now - first_ < kRepeatedSignalTime) return;
   if (last_action_) last_action_();
   _exit(kInterrupted);
 }

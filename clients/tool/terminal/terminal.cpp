@@ -95,7 +95,7 @@ void Terminal::print(std::string_view line) {
   draw_progress();
 }
 
-void Terminal::complain(std::string_view line) {
+void Terminal::print_error(std::string_view line) {
   const std::scoped_lock lock(mutex_);
   erase_progress();
   leave_screen();

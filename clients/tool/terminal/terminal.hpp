@@ -58,7 +58,7 @@ class Terminal {
   void print(std::string_view line);
 
   /// Prints a line on standard error.
-  void complain(std::string_view line);
+  void print_error(std::string_view line);
 
   /// Replaces the live block below the last line, on a terminal only. If the block is higher than
   /// the terminal, its last row shows the number of omitted rows.

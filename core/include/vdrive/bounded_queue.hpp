@@ -9,7 +9,7 @@
 
 namespace vdrive {
 
-/// What a full queue does with one more item.
+/// The way in which a full queue handles one more item.
 enum class WhenFull : std::uint8_t {
   drops_oldest,   ///< drops the oldest item to make room
   refuses_newest  ///< refuses the new item; put() returns false

@@ -8,7 +8,7 @@
 
 namespace vdrive {
 
-/// Who advances the drive time of a bench.
+/// The means by which the drive time of a bench advances.
 enum class ClockMode : std::uint8_t {
   realtime,  ///< the wall clock
   lockstep,  ///< `step` requests

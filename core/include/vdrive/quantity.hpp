@@ -15,7 +15,7 @@ namespace vdrive {
 /// Positions, speeds, accelerations and jerks as people write and read them: in user units (UU) or
 /// in a unit of an axis.
 
-/// What a quantity measures.
+/// The dimension of a quantity.
 enum class Dimension : std::uint8_t { position, velocity, acceleration, jerk };
 
 /// A quantity as written. The unit of an axis converts it to user units.

@@ -3,9 +3,9 @@
 
 namespace vdrive {
 
-/// What the calling thread is working for, such as "bench 3", for the message of a broken invariant
-/// (vdrive/assert.hpp). The core has no state of its own, so another part of the program may define
-/// this function; if none does, the message says "vdrive".
+/// Returns what the calling thread is working for, such as "bench 3", for the message of a broken
+/// invariant (vdrive/assert.hpp). The core has no state of its own, so another part of the program
+/// may define this function; if none does, the message says "vdrive".
 [[gnu::weak]] const char* worked_for() noexcept;
 
 }  // namespace vdrive

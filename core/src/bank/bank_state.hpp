@@ -176,8 +176,8 @@ struct AxisBank::State {
 
   /// Evaluates the inputs of the axes with an enabled touch probe, at the start of the sub-step.
   template <typename Parameters>
-  void look_at_probes(const ParameterPool<Parameters>& pool, const Batch& batch,
-                      std::size_t substep);
+  void evaluate_probes(const ParameterPool<Parameters>& pool, const Batch& batch,
+                       std::size_t substep);
 
   /// Runs the servo step of a tick, in pieces if a lane crosses a border or a touch probe is
   /// enabled.

@@ -141,8 +141,8 @@ std::size_t AxisBank::State::cross_segments(const Batch& batch, std::size_t subs
 }
 
 template <typename Parameters>
-void AxisBank::State::look_at_probes(const ParameterPool<Parameters>& pool, const Batch& batch,
-                                     std::size_t substep) {
+void AxisBank::State::evaluate_probes(const ParameterPool<Parameters>& pool, const Batch& batch,
+                                      std::size_t substep) {
   constexpr std::uint64_t kNanosecondsAMicrosecond = 1000;
   const std::uint64_t tick_ns = timing.period_us * kNanosecondsAMicrosecond;
   for (std::size_t i = 0; i < batch.count; ++i) {
@@ -158,7 +158,7 @@ void AxisBank::State::look_at_probes(const ParameterPool<Parameters>& pool, cons
           of_block == nullptr ? read_lane<false>(parameters.loop, servo, of_block, lane)
                               : read_lane<true>(parameters.loop, servo, of_block, lane);
       Drive drive = this->drive(batch.blocks[i], lane);
-      look_at_inputs(
+      evaluate_inputs(
           drive,
           {.motor_reading = readings.motor, .position_reading = readings.load, .time_ns = time_ns});
     });
@@ -179,12 +179,12 @@ void AxisBank::State::step_pieces(const ParameterPool<Parameters>& pool, const B
                        effects_of(block)};
   }
   const std::span<const ServoBlock<Parameters>> work(servo_blocks.data(), batch.count);
-  if (probed != 0) look_at_probes(pool, batch, 0);
+  if (probed != 0) evaluate_probes(pool, batch, 0);
   for (std::size_t first = 0; first < timing.substeps;) {
     std::size_t last = across == 0 ? timing.substeps : cross_segments(batch, first, lanes);
     if (probed != 0) last = first + 1;
     step_servo(work, {first, last, static_cast<double>(timing.substeps), timing.substep}, features);
-    if (probed != 0) look_at_probes(pool, batch, last);
+    if (probed != 0) evaluate_probes(pool, batch, last);
     first = last;
   }
 }

@@ -98,7 +98,7 @@ bool hides_edge(std::uint16_t in_force, std::uint16_t waiting, std::uint16_t nex
 }
 
 /// Carries out the word that has not been read yet, if there is one.
-void obey_waiting(Drive& drive) {
+void execute_waiting(Drive& drive) {
   HabitWaits& waits = drive.registers().waits;
   if (!std::exchange(waits.has_word, false)) return;
   obey(drive, waits.word);
@@ -106,7 +106,7 @@ void obey_waiting(Drive& drive) {
 
 /// 5E20h:06. Only the last word before a read counts. An edge that no read sees is counted as one
 /// that was not accepted, so that a test notices the loss.
-void leave_for_look(Drive& drive, std::uint16_t word) {
+void defer_word(Drive& drive, std::uint16_t word) {
   DriveState& s = drive.state();
   HabitWaits& waits = drive.registers().waits;
   if (waits.has_word && hides_edge(s.controlword, waits.word, word)) ++s.ignored_set_points;
@@ -137,16 +137,16 @@ bool has_ended(std::uint32_t& wait) {
 
 void write_controlword(Drive& drive, std::uint16_t word) {
   if (drive.registers().habits.loop != 0) {
-    leave_for_look(drive, word);
+    defer_word(drive, word);
   } else {
-    obey_waiting(drive);  // written before the habit was switched off
+    execute_waiting(drive);  // written before the habit was switched off
     obey(drive, word);
   }
 }
 
 void begin_held_back(Drive& drive) {
   HabitWaits& waits = drive.registers().waits;
-  if (looks(drive)) obey_waiting(drive);
+  if (looks(drive)) execute_waiting(drive);
   if (state_of(drive) != PowerState::switched_on) {
     waits.power_on = 0;  // a fault, or the voltage is gone
   } else if (has_ended(waits.power_on) && !lacks_mode(drive)) {

@@ -56,7 +56,7 @@ void finish_motion(Drive& drive) {
 }
 
 /// Sets the demand at `time` of the segment in force.
-void go_along(Drive& drive, double time) {
+void sample_segment(Drive& drive, double time) {
   DemandBlock& demand = drive.demand();
   const std::size_t l = drive.lane();
   const MotionSample now = drive.state().demand.by_jerk ? sample(jerk_segment_of(demand, l), time)
@@ -72,17 +72,17 @@ void enter_segment(Drive& drive, double time) {
     return;
   }
   put_segment(drive, plan_segment_at(drive, time));
-  go_along(drive, time);
+  sample_segment(drive, time);
 }
 
 /// Advances the profile to the end of the tick.
-void move_along(Drive& drive) {
+void advance_profile(Drive& drive) {
   DemandBlock& demand = drive.demand();
   const std::size_t l = drive.lane();
   demand.plan_ticks[l] += 1.0;
   const double time = plan_time(drive);
   if (time < demand.end_time[l]) {
-    go_along(drive, time);
+    sample_segment(drive, time);
   } else {
     enter_segment(drive, time);
   }
@@ -311,7 +311,7 @@ void advance_demand(Drive& drive) {
   } else if (s.demand.moving && s.demand.following) {
     drive.demand().position[drive.lane()] = s.target.position;
   } else if (s.demand.moving) {
-    move_along(drive);
+    advance_profile(drive);
   }
   if (s.demand.control != ControlLoop::position) {
     drive.demand().position[drive.lane()] = actual_position(drive);

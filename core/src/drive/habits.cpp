@@ -61,7 +61,7 @@ void update_habits(Drive& drive) noexcept {
 
 void begin_operation(Drive& drive) {
   const Habits& habits = drive.registers().habits;
-  drive.state().modes.position.greets = habits.acknowledges_enabling;
+  drive.state().modes.position.acknowledges_enabling = habits.acknowledges_enabling;
   if (!habits.clears_velocity) return;
   drive.registers().values["target_velocity"_object] = 0;
   drive.registers().values["vl_target_velocity"_object] = 0;

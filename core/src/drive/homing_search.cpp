@@ -34,7 +34,7 @@ bool home_switch_changes(Drive& drive, bool active) {
 
 /// An edge passed while the axis still brakes is on the other side of the switch, or will be passed
 /// again. So edges count only once both demand and axis move in the direction of their stage.
-bool goes_the_way(Drive& drive, double direction) {
+bool moves_as_commanded(Drive& drive, double direction) {
   HomingRun& run = drive.registers().homing;
   run.turned = run.turned || (direction * demand_velocity(drive) > 0.0 &&
                               direction * actual_velocity(drive) > 0.0);
@@ -53,7 +53,7 @@ bool find_home_switch(Drive& drive, bool edge) {
 }
 
 /// A limit switch ends the search or reverses it.
-void meet_limit_switch(Drive& drive) {
+void reach_limit_switch(Drive& drive) {
   const bool searches = drive.state().modes.homing.stage == HomingStage::seek;
   const bool turns = searches && homing_method_of(drive).turns;
   go_on(drive, turns ? HomingStage::seek_back : HomingStage::failed);
@@ -63,7 +63,7 @@ void meet_limit_switch(Drive& drive) {
 /// most the distance covered at that speed in 5E18h:02. The velocity of a single tick is the
 /// difference of two readings and so too sensitive to noise.
 /// @return whether the axis stands.
-bool keeps_its_place(const Drive& drive) {
+bool is_stationary(const Drive& drive) {
   constexpr double kSecondsAMillisecond = 1.0e-3;
   const HomingRun& run = drive.registers().homing;
   const auto threshold = static_cast<double>(drive.state().window.threshold);
@@ -82,7 +82,7 @@ bool presses_on_stop(const Drive& drive, double direction) {
       within_torque_limits(drive, direction * real(drive, "homing_stop_torque"_object));
   const double lag = demand_position(drive) - actual_position(drive);
   return direction * lag >= kLagAtStop && direction * torque >= direction * wanted - 0.5 &&
-         keeps_its_place(drive);
+         is_stationary(drive);
 }
 
 }  // namespace
@@ -154,7 +154,7 @@ bool passes_home_switch(Drive& drive) {
   const bool active = (drive.state().limits.inputs & kHomeInput) != 0;
   const double direction = homing_direction(drive);
   const bool edge = home_switch_changes(drive, active);
-  const bool counts = goes_the_way(drive, direction);
+  const bool counts = moves_as_commanded(drive, direction);
   switch (drive.state().modes.homing.stage) {
     case HomingStage::seek:
     case HomingStage::seek_back:
@@ -170,7 +170,7 @@ bool passes_home_switch(Drive& drive) {
       if (edge && counts && active == homing_method_of(drive).onto) return true;
       break;
   }
-  if (at_limit_switch(drive, direction)) meet_limit_switch(drive);
+  if (at_limit_switch(drive, direction)) reach_limit_switch(drive);
   return false;
 }
 

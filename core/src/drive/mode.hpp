@@ -81,7 +81,7 @@ void ignore_edge(Drive& drive, const WrittenControlword& word);
 /// written.
 /// @param direction direction of the target, by its sign; 0 = none
 /// @return whether the target was given up.
-inline bool heed_limit_switch(Drive& drive, double direction) {
+inline bool give_up_target_at_limit_switch(Drive& drive, double direction) {
   if (!obeys_mode(drive) || !runs_into_limit_switch(drive, direction)) return false;
   drive.state().target.given_up = true;
   return true;

@@ -78,7 +78,7 @@ bool has_power_to_lose(PowerState state) {
 /// Raises the fault of a cause that is present. Loss of the DC link is a fault only if the motor is
 /// powered; otherwise the axis falls back. If a cause was cleared for a reset and returned before
 /// the tick, that is a new fault.
-void heed_cause(Drive& drive, std::uint8_t bit, ErrorCode code) {
+void raise_cause(Drive& drive, std::uint8_t bit, ErrorCode code) {
   const DriveState& s = drive.state();
   const bool known = (s.faults.causes & bit) != 0 && is_fault(s.power.machine.state());
   const bool harmless = bit == kDcLinkCause && !has_power_to_lose(s.power.machine.state());
@@ -162,11 +162,11 @@ void watch_causes(Drive& drive) {
   for (const FaultCause& cause : kFaultCauses) {
     if (reg(drive, cause.input) == 0) continue;
     present = static_cast<std::uint8_t>(present | cause.bit);
-    heed_cause(drive, cause.bit, cause.code);
+    raise_cause(drive, cause.bit, cause.code);
   }
   if (s.faults.load_level == LoadLevel::fault) {
     present = static_cast<std::uint8_t>(present | kLoadLevelCause);
-    heed_cause(drive, kLoadLevelCause, ErrorCode::load_level);
+    raise_cause(drive, kLoadLevelCause, ErrorCode::load_level);
   }
   s.faults.causes = present;
   s.faults.dc_link = (present & kDcLinkCause) == 0;

@@ -128,7 +128,7 @@ InputEdges next_edges(Drive& drive, double motor_reading) {
 
 /// @param bits 60B8h, shifted to the bits of the probe
 void take_edge(Drive& drive, const TouchProbe& probe, const ProbeEdge& edge, unsigned bits,
-               const ProbeLook& look) {
+               const ProbeEvaluation& look) {
   auto& values = drive.registers().values;
   const auto status = static_cast<unsigned>(values["touch_probe_status"_object]);
   const unsigned stored = edge.stored << probe.shift;
@@ -140,7 +140,7 @@ void take_edge(Drive& drive, const TouchProbe& probe, const ProbeEdge& edge, uns
   values["touch_probe_status"_object] = status | stored;
 }
 
-void look_by(Drive& drive, std::uint16_t function, const ProbeLook& look) {
+void look_by(Drive& drive, std::uint16_t function, const ProbeEvaluation& look) {
   const InputEdges edges = next_edges(drive, look.motor_reading);
   if ((edges.rising | edges.falling) == 0) return;
   for (const TouchProbe& probe : kTouchProbes) {
@@ -153,7 +153,7 @@ void look_by(Drive& drive, std::uint16_t function, const ProbeLook& look) {
 }
 
 /// The readings between two ticks.
-ProbeLook present_look(const Drive& drive) {
+ProbeEvaluation present_look(const Drive& drive) {
   constexpr std::uint64_t kNanosecondsAMicrosecond = 1000;
   const std::size_t l = drive.lane();
   return {.motor_reading = drive.servo().motor_reading[l],
@@ -180,13 +180,13 @@ bool is_enabled(unsigned function) {
 
 }  // namespace
 
-void look_at_inputs(Drive& drive, const ProbeLook& look) {
+void evaluate_inputs(Drive& drive, const ProbeEvaluation& look) {
   look_by(drive, static_cast<std::uint16_t>(reg(drive, "touch_probe_function"_object)), look);
 }
 
 void enable_touch_probes(Drive& drive, std::uint16_t previous) {
   // Inputs written before 60B8h belong to the previous function.
-  const ProbeLook present = present_look(drive);
+  const ProbeEvaluation present = present_look(drive);
   if (is_enabled(previous)) {
     look_by(drive, previous, present);
   } else {

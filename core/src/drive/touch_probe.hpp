@@ -12,7 +12,7 @@ namespace vdrive {
 // edge gets the position and time of the evaluation that first sees it.
 
 /// Encoder readings and time of an evaluation of the inputs.
-struct ProbeLook {
+struct ProbeEvaluation {
   double motor_reading = 0.0;     // encoder 1 [UU]
   double position_reading = 0.0;  // 6064h, not rounded [UU]
   std::uint64_t time_ns = 0;      // since the bank started [ns]
@@ -20,7 +20,7 @@ struct ProbeLook {
 
 /// Latches the edges since the last evaluation. Only for an axis with its bit in
 /// BlockState::probed.
-void look_at_inputs(Drive& drive, const ProbeLook& look);
+void evaluate_inputs(Drive& drive, const ProbeEvaluation& look);
 
 /// 60B8h was written; the register has the new value.
 /// @param previous the previous value, which applies to the edges since the last evaluation

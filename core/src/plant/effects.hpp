@@ -75,7 +75,7 @@ struct alignas(64) EffectBlock {
 /// @return a block in which no lane has an effect.
 [[nodiscard]] EffectBlock no_effects() noexcept;
 
-/// What the effects of an axis depend on, apart from its model and gear.
+/// The inputs of an axis's effects, apart from its model and gear.
 struct EffectDesign {
   double period;              // of a tick [s]
   double velocity_from_load;  // effect of 1 UU/s² at the motor on the velocity of a sub-step [s]

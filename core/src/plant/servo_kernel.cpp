@@ -78,7 +78,8 @@ struct Friction {
   bool stuck;
 };
 
-[[gnu::always_inline]] inline Friction rub(double velocity, double free_velocity, double impulse) {
+[[gnu::always_inline]] inline Friction apply_friction(double velocity, double free_velocity,
+                                                      double impulse) {
   const double moving = velocity != 0.0 ? velocity : free_velocity;
   const double direction = __builtin_copysign(moving != 0.0 ? 1.0 : 0.0, moving);
   const double next = free_velocity - direction * impulse;
@@ -95,8 +96,8 @@ template <bool kGeneral>
 /// The torque that cogging and ripple add in a sub-step: +0 in a lane without either. Most blocks
 /// have no ripple, so its sine has a loop of its own.
 template <bool kGeneral>
-[[gnu::always_inline]] inline void find_uneven(const EffectBlock& e, const ServoState& s,
-                                               Lane& uneven) {
+[[gnu::always_inline]] inline void find_ripple_torque(const EffectBlock& e, const ServoState& s,
+                                                      Lane& uneven) {
   const EffectParameters& p = e.parameters;
   uneven = {};
   if (p.cogged != 0) {
@@ -118,7 +119,7 @@ template <bool kGeneral>
 }
 
 /// @return `torque` plus the torque of cogging and ripple; bit-identical if that is 0.
-[[gnu::always_inline]] inline double with_uneven(double torque, double uneven) {
+[[gnu::always_inline]] inline double add_ripple_torque(double torque, double uneven) {
   return uneven != 0.0 ? torque + uneven : torque;
 }
 
@@ -203,14 +204,14 @@ template <bool kEffects>
       kEffects ? p.friction_impulse[l] + e->state.brake_impulse[l] : p.friction_impulse[l];
   const double free_velocity =
       coupled(p.motor_velocity, p.free_motor_velocity, engaged, in, uneven, load);
-  const Friction on_motor = rub(in.motor_velocity, free_velocity, impulse);
+  const Friction on_motor = apply_friction(in.motor_velocity, free_velocity, impulse);
   const double friction =
       kEffects ? p.friction[l] + brake_friction(p, *e, l, free_velocity, on_motor) : p.friction[l];
-  const Friction on_load =
-      rub(in.load_velocity, coupled(p.load_velocity, p.free_load_velocity, engaged, in, 0.0, load),
-          p.load_friction_impulse[l]);
+  const Friction on_load = apply_friction(
+      in.load_velocity, coupled(p.load_velocity, p.free_load_velocity, engaged, in, 0.0, load),
+      p.load_friction_impulse[l]);
   const double rubbed = -on_motor.direction * friction;
-  const double dm = kEffects ? with_uneven(rubbed, uneven) : rubbed;
+  const double dm = kEffects ? add_ripple_torque(rubbed, uneven) : rubbed;
   const double dl = load - on_load.direction * p.load_friction[l];
   const double vm = coupled(p.motor_velocity, p.free_motor_velocity, engaged, in, dm, dl);
   const double xm = coupled(p.motor_position, p.free_motor_position, engaged, in, dm, dl);
@@ -313,14 +314,14 @@ template <bool kGeneral, bool kEffects>
   const double u = control<kGeneral>(p.loop, state, l, demand, measured, load_measured, rate);
   const double torque = torque_of<kGeneral>(state, l);
   const double outside = state.load_torque[l];
-  const double load = kEffects ? with_uneven(outside, uneven) : outside;
+  const double load = kEffects ? add_ripple_torque(outside, uneven) : outside;
   const double rubbing = kEffects ? p.friction[l] + e->state.brake[l] : p.friction[l];
   const double impulse =
       kEffects ? p.friction_impulse[l] + e->state.brake_impulse[l] : p.friction_impulse[l];
   const double free_velocity = p.velocity_from_velocity[l] * v +
                                p.velocity_from_torque[l] * torque + p.velocity_from_command[l] * u +
                                p.velocity_from_load[l] * load;
-  const Friction friction = rub(v, free_velocity, impulse);
+  const Friction friction = apply_friction(v, free_velocity, impulse);
   const double moved = x + p.position_from_velocity[l] * v + p.position_from_torque[l] * torque +
                        p.position_from_command[l] * u +
                        p.position_from_load[l] * (load - friction.direction * rubbing);
@@ -373,7 +374,7 @@ template <bool kGeneral, bool kEffects, bool kJerk, typename Parameters, typenam
   Lane uneven{};
   Lane begin{};
   if constexpr (kEffects) {
-    find_uneven<kGeneral>(*block.effects, state, uneven);
+    find_ripple_torque<kGeneral>(*block.effects, state, uneven);
     begin = begin_of(parameters, state);
   }
   VDRIVE_INDEPENDENT_LANES

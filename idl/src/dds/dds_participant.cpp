@@ -226,7 +226,7 @@ dds::DomainParticipantQos participant_qos(const NetworkSettings& settings, const
 /// Fast DDS 2.9 reads its profiles without a lock while it creates the first participant; 3.1 has a
 /// lock.
 dds::DomainParticipant* make_participant(const dds::DomainParticipantQos& qos, std::uint32_t domain,
-                                         Others& others) {
+                                         KnownParticipants& others) {
   static std::mutex making;
   const std::scoped_lock lock(making);
   return dds::DomainParticipantFactory::get_instance()->create_participant(domain, qos, &others,

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "dds/others.hpp"
+#include "dds/known_participants.hpp"
 #include "guard/deletion_gate.hpp"
 #include "vdrive/wire/matches.hpp"
 #include "vdrive/wire/participant.hpp"
@@ -27,7 +27,7 @@ struct DdsEntities {
   dds::Publisher* publisher = nullptr;
   dds::Subscriber* subscriber = nullptr;
   std::optional<Permissions> permissions;  ///< of a closed participant
-  Others others;                           ///< listens to the participant
+  KnownParticipants others;                ///< listens to the participant
 
   /// Serialises changes of the announcement and creation of endpoints. Fast DDS 2.9 and 3.1 replace
   /// address lists of the participant when its announcement changes (2.9 without a lock), and read

@@ -14,7 +14,7 @@ namespace vdrive::wire {
 class DeletionGate {
  public:
   /// While this lives, the library may process received data. A thread holds at most one and must
-  /// not delete anything meanwhile.
+  /// not delete anything while it is held.
   [[nodiscard]] std::shared_lock<std::shared_mutex> receive() {
     const std::scoped_lock turn(turn_);
     return std::shared_lock(gate_);

@@ -183,7 +183,7 @@ bool Guard::comes_too_early(ByteView datagram, Clock::time_point now) const {
 }
 
 ByteView Guard::sends(ByteView datagram, std::vector<std::uint8_t>& renumbered) {
-  note_greetings(datagram);
+  note_initial_acknacks(datagram);
   if (!keeps_leases_) {
     const std::scoped_lock lock(keeper_mutex_);
     silent_readers_.sends(datagram);
@@ -192,7 +192,7 @@ ByteView Guard::sends(ByteView datagram, std::vector<std::uint8_t>& renumbered) 
   return differs ? ByteView(renumbered) : datagram;
 }
 
-void Guard::note_greetings(ByteView datagram) {
+void Guard::note_initial_acknacks(ByteView datagram) {
   if (!has_returned_) return;
   GuidPrefix receiver{};
   Submessages submessages(datagram);
@@ -203,7 +203,7 @@ void Guard::note_greetings(ByteView datagram) {
       if (reader.ok()) std::ranges::copy(prefix, receiver.begin());
     } else if (const auto acknack = parse_acknack(submessage); acknack && acknack->base == 0) {
       const std::scoped_lock lock(keeper_mutex_);
-      returned_.greeted(receiver, acknack->writer);
+      returned_.initial_acknack_sent(receiver, acknack->writer);
     }
   }
 }

@@ -78,7 +78,7 @@ class Guard {
   [[nodiscard]] std::optional<ByteView> with_plausible_numbers(
       ByteView datagram, Clock::time_point now, const Locator& remote,
       std::vector<std::uint8_t>& renumbered);
-  void note_greetings(ByteView datagram);
+  void note_initial_acknacks(ByteView datagram);
   [[nodiscard]] bool comes_too_early(ByteView datagram, Clock::time_point now) const;
   void hand_over(Receiver& channel, ByteView datagram, const Locator& local, const Locator& remote);
   void pass_discovery(Receiver& channel, ByteView datagram, const Locator& local,

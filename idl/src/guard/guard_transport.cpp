@@ -8,7 +8,7 @@ eprosima::fastdds::rtps::TransportInterface* GuardedTransport::create_transport(
 }
 
 GuardTransport::GuardTransport(const GuardedTransport& description)
-    : SeeingTransport(description), guard_(description.guard), names_(description.names) {}
+    : ObservingTransport(description), guard_(description.guard), names_(description.names) {}
 
 bool GuardTransport::OpenOutputChannel(eprosima::fastdds::rtps::SendResourceList& sockets,
                                        const Locator& to) {
@@ -44,9 +44,10 @@ void GuardTransport::receive(eprosima::fastdds::rtps::TransportReceiverInterface
   guard_->receive(*receiver, {bytes, size}, local, remote);
 }
 
-bool GuardTransport::sends_itself(const rtps::SenderResource& low, ByteView datagram,
-                                  rtps::LocatorsIterator& first, const rtps::LocatorsIterator& last,
-                                  std::vector<Locator>& rest) {
+bool GuardTransport::sends_directly(const rtps::SenderResource& low, ByteView datagram,
+                                    rtps::LocatorsIterator& first,
+                                    const rtps::LocatorsIterator& last,
+                                    std::vector<Locator>& rest) {
   if (names_ == nullptr) return false;
   const rtps::SenderResource* chosen = nullptr;
   const bool is_chosen = chosen_.compare_exchange_strong(chosen, &low) || chosen == &low;

@@ -28,7 +28,7 @@ struct GuardedTransport final : eprosima::fastdds::rtps::ChainingTransportDescri
 };
 
 /// A transport of the library with a guard between it and its receiver.
-class GuardTransport final : public SeeingTransport {
+class GuardTransport final : public ObservingTransport {
  public:
   using Locator = Guard::Locator;
 
@@ -55,9 +55,9 @@ class GuardTransport final : public SeeingTransport {
     return guard_->sends(datagram, changed);
   }
 
-  bool sends_itself(const rtps::SenderResource& low, ByteView datagram,
-                    rtps::LocatorsIterator& first, const rtps::LocatorsIterator& last,
-                    std::vector<Locator>& rest) override;
+  bool sends_directly(const rtps::SenderResource& low, ByteView datagram,
+                      rtps::LocatorsIterator& first, const rtps::LocatorsIterator& last,
+                      std::vector<Locator>& rest) override;
 
   [[nodiscard]] bool is_announced(const Locator& to);
 
@@ -65,8 +65,8 @@ class GuardTransport final : public SeeingTransport {
   std::shared_ptr<const HostNames> names_;
   std::shared_mutex announced_mutex_;
   std::set<Locator> announced_;  ///< destinations announced by the library to its transport
-  /// The first socket of the library that sends. The library calls sends_itself() for each socket,
-  /// and the datagram must leave only once.
+  /// The first socket of the library that sends. The library calls sends_directly() for each
+  /// socket, and the datagram must leave only once.
   std::atomic<const rtps::SenderResource*> chosen_{nullptr};
 };
 

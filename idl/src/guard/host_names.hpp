@@ -22,7 +22,7 @@ namespace vdrive::wire {
 /// DDS 2.9 answers a server that has moved at the address announced before
 /// (PDPClient::removeRemoteEndpoints). These datagrams leave from sockets of this object, because
 /// those of the library keep statistics by address, and Debian's build of 2.9 crashes at an address
-/// that it was not told of before (OutputTrafficManager::set_statistics_message_data). The library
+/// that was never announced to it (OutputTrafficManager::set_statistics_message_data). The library
 /// itself sends to such an address, on the host of a discovery server that it has given up.
 /// Thread-safe.
 class HostNames {

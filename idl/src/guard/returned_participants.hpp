@@ -41,7 +41,8 @@ class ReturnedParticipants {
 
   /// A participant announces itself.
   void announced(const GuidPrefix& participant, Clock::time_point now) {
-    if (removed_.erase(participant) != 0) returned_[participant] = {.since = now, .greeted = {}};
+    if (removed_.erase(participant) != 0)
+      returned_[participant] = {.since = now, .initial_acknack_sent = {}};
   }
 
   /// A participant announced that it left: a later one with this prefix is a different one.
@@ -51,9 +52,9 @@ class ReturnedParticipants {
   }
 
   /// The ACKNACK with number 0 for this writer is being sent.
-  void greeted(const GuidPrefix& participant, EntityId writer) {
+  void initial_acknack_sent(const GuidPrefix& participant, EntityId writer) {
     const auto found = returned_.find(participant);
-    if (found != returned_.end()) found->second.greeted.insert(writer);
+    if (found != returned_.end()) found->second.initial_acknack_sent.insert(writer);
   }
 
   /// @return whether a heartbeat of this writer must wait.
@@ -61,7 +62,7 @@ class ReturnedParticipants {
                                 Clock::time_point now) const {
     const auto found = returned_.find(participant);
     return found != returned_.end() && now - found->second.since < kLongestWait &&
-           !found->second.greeted.contains(writer);
+           !found->second.initial_acknack_sent.contains(writer);
   }
 
   /// Forgets participants for which nothing needs to wait any more.
@@ -77,7 +78,7 @@ class ReturnedParticipants {
  private:
   struct Returned {
     Clock::time_point since;
-    std::set<EntityId> greeted;  ///< its writers
+    std::set<EntityId> initial_acknack_sent;  ///< its writers
   };
 
   std::set<GuidPrefix> removed_;

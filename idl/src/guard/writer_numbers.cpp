@@ -135,7 +135,7 @@ bool WriterNumbers::is_plausible(const Numbers& numbers, const Writer& writer) {
          (!numbers.is_heartbeat() || numbers.first <= writer.done + 1 + kReach);
 }
 
-bool WriterNumbers::has_gone_astray(const Numbers& numbers, Writer& writer, Clock::time_point now) {
+bool WriterNumbers::has_jumped(const Numbers& numbers, Writer& writer, Clock::time_point now) {
   // Its first heartbeat was lost, and the library has read its large numbers unchanged. A heartbeat
   // that does not fit the data is doubted like any other.
   const bool fits_data =
@@ -156,7 +156,7 @@ bool WriterNumbers::take(const Numbers& numbers, Writer& writer, Clock::time_poi
   const std::int64_t done = numbers.is_heartbeat() ? std::max(writer.done, numbers.first - 1)
                                                    : writer.done + numbers.skipped;
   if (done != writer.done && !may_skip(done - writer.done, now)) return false;
-  // What a gap skips need not come next; only an acknowledgement shows that.
+  // The numbers that a gap skips need not come next; only an acknowledgement shows that.
   if (numbers.is_heartbeat()) writer.done = done;
   return true;
 }
@@ -180,7 +180,7 @@ WriterNumbers::Judgement WriterNumbers::judge(const GuidPrefix& source, const Nu
   Writer* const writer = writer_of(participant->second, numbers, rest);
   if (writer == nullptr) return {.refusal = Refusal::jump};
   if (!is_plausible(numbers, *writer)) {
-    return {.refusal = Refusal::jump, .is_astray = has_gone_astray(numbers, *writer, now)};
+    return {.refusal = Refusal::jump, .is_astray = has_jumped(numbers, *writer, now)};
   }
   return {.refusal = take(numbers, *writer, now) ? Refusal::none : Refusal::range,
           .base = writer->base};

@@ -99,8 +99,8 @@ class WriterNumbers {
   [[nodiscard]] static Writer* writer_of(Writers& writers, const Numbers& numbers,
                                          Submessages rest);
   [[nodiscard]] static bool is_plausible(const Numbers& numbers, const Writer& writer);
-  [[nodiscard]] static bool has_gone_astray(const Numbers& numbers, Writer& writer,
-                                            Clock::time_point now);
+  [[nodiscard]] static bool has_jumped(const Numbers& numbers, Writer& writer,
+                                       Clock::time_point now);
 
   [[nodiscard]] bool take(const Numbers& numbers, Writer& writer, Clock::time_point now);
   [[nodiscard]] Judgement judge(const GuidPrefix& source, const Numbers& numbers, Submessages rest,

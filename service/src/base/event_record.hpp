@@ -59,7 +59,7 @@ struct NewRate {
 };
 
 /// Why a session stopped being a stepper.
-enum class Parting : std::uint8_t {
+enum class StepperRemoval : std::uint8_t {
   left,    ///< it left by request
   silent,  ///< nothing arrived from it while others waited
   gone,    ///< its participant left the network
@@ -122,8 +122,8 @@ struct WireLoss {
 /// | wire | WireLoss, or the time without a wire, or until the next start |
 /// | any other | none |
 using EventDetail =
-    std::variant<std::monostate, Count, LostAxes, Overruns, Label, RefusedMessage, NewRate, Parting,
-                 SystemError, StoredProblem, WireLoss, std::chrono::microseconds>;
+    std::variant<std::monostate, Count, LostAxes, Overruns, Label, RefusedMessage, NewRate,
+                 StepperRemoval, SystemError, StoredProblem, WireLoss, std::chrono::microseconds>;
 
 /// An event before it is formatted as text.
 struct EventRecord {

@@ -42,7 +42,7 @@ bool LockstepDriver::round() {
   beats_.add();
   const auto now = Clock::now();
   const bool was_busy = handle_next(now);
-  const bool has_moved = pass_time(now);
+  const bool has_moved = advance_time(now);
   const bool has_stored = engine_.answer_stores();
   if (was_busy || has_moved || outbox_.replies.size() > 0) deliver();
   if (has_moved) publish_status();  // after the reply, which is all that the client waits for
@@ -95,7 +95,7 @@ void LockstepDriver::handle(Arrival& arrival, Clock::time_point now) {
 
 /// Lets time pass as far as the steps allow, and answers each step in its tick.
 /// @return whether time has passed
-bool LockstepDriver::pass_time(Clock::time_point now) {
+bool LockstepDriver::advance_time(Clock::time_point now) {
   bool has_moved = false;
   for (std::uint64_t ticks = steps_.ticks_to_run(now); ticks > 0 && !stop_;
        ticks = steps_.ticks_to_run(now)) {
@@ -138,7 +138,7 @@ void LockstepDriver::end() {
   });
 }
 
-/// Delivers answers until `is_done`, or until the wire takes no more.
+/// Delivers answers until `is_done`, or until the wire accepts no further one.
 template <typename IsDone>
 void LockstepDriver::deliver_until(const IsDone& is_done) {
   while (!is_done()) {

@@ -61,7 +61,7 @@ class LockstepDriver {
   bool handle_next(Clock::time_point now);
   bool handle_frames_only(Clock::time_point now);
   void handle(Arrival& arrival, Clock::time_point now);
-  bool pass_time(Clock::time_point now);
+  bool advance_time(Clock::time_point now);
   void run_ticks(std::uint64_t ticks);
   void answer_steps(Clock::time_point now);
   void remove_absent(Clock::time_point now);

@@ -6,7 +6,7 @@
 
 namespace vdrive::service {
 
-/// What a bench does after the wall clock was stepped.
+/// The reaction of a bench to a step of the wall clock.
 enum class WallStepPolicy : std::uint8_t {
   steer,  ///< drive time continues without a break and is adjusted, however long that takes
   jump,   ///< forward: the tick number jumps; backward: as steer, because no number is used twice

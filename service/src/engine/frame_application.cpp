@@ -50,7 +50,7 @@ constexpr std::array<RegisterMember, 6> kRegisterMembers{{
 /// Objects whose values decide whether writes to others are accepted: 607Bh decides on 60F2h,
 /// 5E20h:05 on 6060h. An all-or-nothing frame may not contain them, because it is checked in full
 /// before any of it is written.
-constexpr bool decides_on_others(ObjectRow row) {
+constexpr bool affects_other_checks(ObjectRow row) {
   return row == "min_position_range_limit"_object || row == "max_position_range_limit"_object ||
          row == "habit_mode_change_refusal"_object;
 }
@@ -245,7 +245,8 @@ bool FrameApplication::pass_register(std::size_t axis, ObjectRow row, std::int64
   const Change change = describe(row).change;
   const bool judges = pass == Pass::judge;
   AbortCode code = AbortCode::cannot_be_mapped_to_pdo;
-  if (change != Change::power && change != Change::memory && !(judges && decides_on_others(row))) {
+  if (change != Change::power && change != Change::memory &&
+      !(judges && affects_other_checks(row))) {
     // Without the AxisWriter, because these registers cannot begin a halt.
     code = judges ? axes_.bank().check(axis, row, value) : axes_.write(axis, row, value);
   }

@@ -34,7 +34,7 @@ class FrameApplication {
     bool is_refused = false;
   };
 
-  /// What a pass over the registers of a command does.
+  /// The purpose of a pass over the registers of a command.
   enum class Pass : std::uint8_t {
     judge,  ///< checks and refuses, writes nothing (for all-or-nothing frames)
     write,

@@ -90,11 +90,11 @@ Reason StepRequests::change_steppers(const Arrival& arrival, Time now) {
 Reason StepRequests::leave(const Arrival& arrival, Time now) {
   const std::uint64_t session = arrival.request.session;
   if (steppers_.find(session) == nullptr) return msg::Reason::not_a_stepper;
-  part_with(session, Parting::left, now);
+  remove_stepper(session, StepperRemoval::left, now);
   return msg::Reason::none;
 }
 
-void StepRequests::part_with(std::uint64_t session, Parting parting, Time now) {
+void StepRequests::remove_stepper(std::uint64_t session, StepperRemoval parting, Time now) {
   steppers_.leave(session, now);
   events_.report({.kind = msg::EventKind::clock_changed,
                   .session = session,
@@ -217,9 +217,9 @@ void StepRequests::remove_absent(Time now,
     if (stepper.was_matched && state == ReaderState::gone) gone.push_back(stepper.session);
     stepper.was_matched = stepper.was_matched || state == ReaderState::matched;
   }
-  for (const std::uint64_t session : gone) part_with(session, Parting::gone, now);
+  for (const std::uint64_t session : gone) remove_stepper(session, StepperRemoval::gone, now);
   while (const Stepper* const stepper = steppers_.silent(now)) {
-    part_with(stepper->session, Parting::silent, now);
+    remove_stepper(stepper->session, StepperRemoval::silent, now);
   }
 }
 

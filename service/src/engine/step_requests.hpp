@@ -121,7 +121,7 @@ class StepRequests {
   [[nodiscard]] Reason change_steppers(const Arrival& arrival, Time now);
   [[nodiscard]] Reason join(const Arrival& arrival, Time now);
   [[nodiscard]] Reason leave(const Arrival& arrival, Time now);
-  void part_with(std::uint64_t session, Parting parting, Time now);
+  void remove_stepper(std::uint64_t session, StepperRemoval parting, Time now);
   void grant_arrived(Time now);
   void grant(WaitingStep& waiting, Time now);
   [[nodiscard]] bool answer_if_due(const WaitingStep& waiting, Time now);

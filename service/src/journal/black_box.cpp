@@ -17,7 +17,7 @@ constexpr auto kOfSegment = 5s;
 constexpr auto kBeforeCause = 2s;
 constexpr auto kAfterCause = 500ms;
 constexpr auto kLongestAfter = 2s;  // when further causes follow
-/// The segment being filled, the one before it, and the older ones that a window holds.
+/// The segment being filled, the previous one, and the older ones that a window holds.
 constexpr std::size_t kLeastSlots = 4;
 constexpr std::size_t kMostSlots = 512;  // 40 minutes
 constexpr std::size_t kLeastRecent = 2;
@@ -338,7 +338,7 @@ std::optional<std::uint32_t> BlackBox::take_slot() {
         return slot;
       }
     }
-  } while (forget_something());
+  } while (free_oldest());
   return std::nullopt;
 }
 
@@ -354,7 +354,7 @@ std::optional<std::uint32_t> BlackBox::take_block() {
       static_cast<void>(blocks_.reach(blocks_made_));
       return static_cast<std::uint32_t>(blocks_made_++);
     }
-  } while (forget_something());
+  } while (free_oldest());
   return std::nullopt;
 }
 
@@ -371,7 +371,7 @@ void BlackBox::recycle_blocks() noexcept {
 
 /// Drops the oldest segment, or a window if only kLeastRecent segments are left.
 /// @return whether there was one
-bool BlackBox::forget_something() noexcept {
+bool BlackBox::free_oldest() noexcept {
   if (recent_.size() <= kLeastRecent) return drop_window();
   segments_[recent_.front()].holders.fetch_sub(1, std::memory_order_release);
   recent_.erase(recent_.begin());

@@ -179,7 +179,7 @@ class BlackBox {
   [[nodiscard]] std::optional<std::uint32_t> take_slot();
   [[nodiscard]] std::optional<std::uint32_t> take_block();
   void recycle_blocks() noexcept;
-  [[nodiscard]] bool forget_something() noexcept;
+  [[nodiscard]] bool free_oldest() noexcept;
   [[nodiscard]] bool drop_window() noexcept;
 
   std::uint64_t segment_ticks_;

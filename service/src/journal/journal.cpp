@@ -213,7 +213,7 @@ void Journal::start_losing() noexcept {
     return;  // it ended while this thread waited for room
   }
   losing_ = true;
-  told_losing_ = false;
+  reported_loss_ = false;
   lost_ = 0;
 }
 
@@ -236,13 +236,13 @@ void Journal::lose_tick(const AxisBank& bank, std::uint64_t tick) noexcept {
 }
 
 std::optional<JournalNews> Journal::news() noexcept {
-  if (!std::exchange(told_losing_, true)) return JournalNews{.code = JournalCode::kLosing};
+  if (!std::exchange(reported_loss_, true)) return JournalNews{.code = JournalCode::kLosing};
   if (resumed_after_ != 0) {
     return JournalNews{.code = JournalCode::kResumed,
                        .detail = Count{std::exchange(resumed_after_, 0)}};
   }
   const int error = error_.load(std::memory_order_relaxed);
-  if (error != 0 && !std::exchange(told_ended_, true)) {
+  if (error != 0 && !std::exchange(reported_end_, true)) {
     return JournalNews{.code = JournalCode::kEnded, .detail = SystemError{error}};
   }
   return std::nullopt;

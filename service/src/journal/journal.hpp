@@ -113,8 +113,8 @@ class Journal {
   std::uint64_t lost_ = 0;                     ///< ticks in the present loss
   bool losing_ = false;
   bool ended_ = true;
-  bool told_losing_ = true;
-  bool told_ended_ = false;
+  bool reported_loss_ = true;
+  bool reported_end_ = false;
   std::uint64_t resumed_after_ = 0;  ///< lost ticks that still have to be reported
 };
 

@@ -147,7 +147,7 @@ class Replay {
     tick_ = tick.number;
     ++result_.ticks;
     if (options_.observer != nullptr) options_.observer->stepped(tick_, bank_);
-    if (result_.ticks % options_.ticks_a_check != 0) return true;
+    if (result_.ticks % options_.check_interval != 0) return true;
     const StatusDigest digest = digest_of(bank_.statuses(), reader_.start().axes_per_row, rows_);
     if (digest.image == tick.digest.image) return true;
     result_.text = "tick " + std::to_string(tick.number) + ": " + place_of(digest, tick);

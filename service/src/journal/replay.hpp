@@ -42,7 +42,7 @@ class ReplayObserver {
 
 struct ReplayOptions {
   std::optional<std::uint32_t> threads{};  ///< that step the axes; nullopt = as in the journal
-  std::uint64_t ticks_a_check = 1;         ///< only the check of every n-th tick is compared
+  std::uint64_t check_interval = 1;        ///< only the check of every n-th tick is compared
   ReplayObserver* observer = nullptr;
 };
 

@@ -17,7 +17,7 @@ namespace vdrive::service {
 /// holds the window while it uses this object, which may be in another thread than the box.
 class WindowReplay {
  public:
-  /// What next() has reached.
+  /// The kind of item that next() has reached.
   enum class Item : std::uint8_t {
     state,  ///< the window begins here, or continues with a different state: `cause()`
     tick,   ///< the axes have completed a tick

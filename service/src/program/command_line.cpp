@@ -474,7 +474,7 @@ int carry_out(const Arguments& arguments) {
   return serve(configuration, arguments);
 }
 
-void complain(std::string_view message) {
+void print_error(std::string_view message) {
   std::cerr << prefixed_lines("vdrived: ", message) << '\n';
 }
 
@@ -528,17 +528,17 @@ int parse_and_carry_out(int argument_count, const char* const* arguments) {
   declare(app, given);
   const std::vector<std::string_view> words(arguments, arguments + argument_count);
   if (const auto problem = check_without_file(words)) {
-    complain(*problem);
+    print_error(*problem);
     return kUsage;
   }
   try {
     app.parse(argument_count, arguments);
   } catch (const CLI::ExtrasError&) {
-    complain(unexpected_text(app, app.remaining().front()));
+    print_error(unexpected_text(app, app.remaining().front()));
     std::cerr << "Run with --help for more information.\n";
     return kUsage;
   } catch (const CLI::ValidationError& error) {  // it names the option, the value and the limits
-    complain(escaped(error.what(), kShownOfMessage));
+    print_error(escaped(error.what(), kShownOfMessage));
     return kUsage;
   } catch (const CLI::ParseError& error) {
     if (error.get_exit_code() == 0) {  // help, version
@@ -555,16 +555,16 @@ int parse_and_carry_out(int argument_count, const char* const* arguments) {
     refuse_empty_values(app);
     return carry_out(given);
   } catch (const BenchNumberTaken& taken) {
-    complain(taken.what());
+    print_error(taken.what());
     return kNumberTaken;
   } catch (const JournalError& error) {
-    complain(error.what());
+    print_error(error.what());
     return kUsage;
   } catch (const BadArguments& error) {
-    complain(error.what());
+    print_error(error.what());
     return kUsage;
   } catch (const std::exception& error) {
-    complain(error.what());
+    print_error(error.what());
     return kFailed;
   }
 }

@@ -39,7 +39,7 @@ class ProcessWire final : public BenchWire {
 
   void start() override { supervisor_.start(); }
 
-  [[nodiscard]] std::chrono::milliseconds time_to_meet_others() const noexcept override {
+  [[nodiscard]] std::chrono::milliseconds duplicate_detection_time() const noexcept override {
     return DuplicateNumberDetector::kReceiving;
   }
 
@@ -87,7 +87,7 @@ class ThreadWire final : public BenchWire {
     counters_.wire_is_up.set(1);
   }
 
-  [[nodiscard]] std::chrono::milliseconds time_to_meet_others() const noexcept override {
+  [[nodiscard]] std::chrono::milliseconds duplicate_detection_time() const noexcept override {
     return DuplicateNumberDetector::kReceiving;
   }
 

@@ -76,10 +76,10 @@ std::string clock_text(const EventRecord& event) {
     default:
       break;
   }
-  switch (detail_of<Parting>(event)) {
-    case Parting::silent:
+  switch (detail_of<StepperRemoval>(event)) {
+    case StepperRemoval::silent:
       return session + " was removed from the clock: it sent nothing while others waited for it";
-    case Parting::gone:
+    case StepperRemoval::gone:
       return session + " was removed from the clock: its program left the network";
     default:
       return session + " left the clock";

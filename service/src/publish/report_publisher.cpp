@@ -149,7 +149,7 @@ void ReportPublisher::publish(Inbox& inbox, Outbox& outbox) {
   publish_events(outbox);
   publish_parameters(outbox);
   publish_sessions();
-  if (const auto now = Clock::now(); link_.take_wish_for_state() || now >= next_state_) {
+  if (const auto now = Clock::now(); link_.take_state_request() || now >= next_state_) {
     publish_state(now);
     next_state_ = now + kStateInterval;
   }

@@ -74,7 +74,7 @@ BenchRun::StoredParameters::StoredParameters(std::unique_ptr<ParameterStore> sto
   const bool is_of_an_axis = std::ranges::any_of(news, [](const auto& event) {
     return event.axis != 0;
   });
-  if (is_of_an_axis) store->keep_aside();
+  if (is_of_an_axis) store->keep_damaged();
   saver.emplace(std::move(store), std::move(loaded.table));
 }
 
@@ -118,7 +118,7 @@ BenchRun::~BenchRun() {
 void BenchRun::start() {
   const WorksFor bench(name_.c_str());
   wire_->start();
-  timer_.wait_until(timer_.monotonic_now() + wire_->time_to_meet_others());
+  timer_.wait_until(timer_.monotonic_now() + wire_->duplicate_detection_time());
   while (receive_notices()) {
   }
   if (duplicates_.conflict()) {

@@ -29,7 +29,7 @@ class BenchWire {
   virtual void start() = 0;
 
   /// @return the wall time needed to detect another service with the number of this bench.
-  [[nodiscard]] virtual std::chrono::milliseconds time_to_meet_others() const noexcept = 0;
+  [[nodiscard]] virtual std::chrono::milliseconds duplicate_detection_time() const noexcept = 0;
 
   /// Restarts a wire that has failed. Call it regularly.
   virtual void supervise() {}

@@ -53,9 +53,9 @@ class WireLink {
 
   /// @return whether a reader of bench_state has joined since the last call, if the wire learns of
   ///         new readers immediately.
-  [[nodiscard]] bool take_wish_for_state() noexcept {
-    return control_.is_state_wanted.load(std::memory_order_relaxed) &&
-           control_.is_state_wanted.exchange(false);
+  [[nodiscard]] bool take_state_request() noexcept {
+    return control_.is_state_requested.load(std::memory_order_relaxed) &&
+           control_.is_state_requested.exchange(false);
   }
 
   /// @return whether the participant is currently a reader of replies.

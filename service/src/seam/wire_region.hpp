@@ -77,15 +77,15 @@ struct WireControl {
   wire::Source prober;                               ///< of the participant that probes it
   std::array<char, 2'048> error{};
   std::array<std::atomic<std::uint32_t>, wire::kTopics.size()> matched{};
-  SharedSources readers;                       ///< of `reply`
-  std::atomic<bool> is_state_wanted{false};    ///< a new reader waits for a bench_state
-  std::atomic<std::int64_t> running_since{0};  ///< monotonic [ns]
-  std::atomic<std::uint64_t> pump_beats{0};    ///< rounds that every pump has completed
-  std::atomic<std::uint64_t> probe_beats{0};   ///< probes that arrived
-  std::atomic<std::uint64_t> resident{0};      ///< memory of the process [bytes]
-  std::atomic<std::uint64_t> sent{0};          ///< samples that the library accepted
-  std::atomic<std::uint64_t> not_sent{0};      ///< samples that the library did not accept
-  std::atomic<std::uint64_t> undelivered{0};   ///< answers whose reader was not found in time
+  SharedSources readers;                        ///< of `reply`
+  std::atomic<bool> is_state_requested{false};  ///< a new reader waits for a bench_state
+  std::atomic<std::int64_t> running_since{0};   ///< monotonic [ns]
+  std::atomic<std::uint64_t> pump_beats{0};     ///< rounds that every pump has completed
+  std::atomic<std::uint64_t> probe_beats{0};    ///< probes that arrived
+  std::atomic<std::uint64_t> resident{0};       ///< memory of the process [bytes]
+  std::atomic<std::uint64_t> sent{0};           ///< samples that the library accepted
+  std::atomic<std::uint64_t> not_sent{0};       ///< samples that the library did not accept
+  std::atomic<std::uint64_t> undelivered{0};    ///< answers whose reader was not found in time
   std::atomic<std::uint64_t> datagrams_dropped{
       0};                                   ///< datagrams that the guards of all wires dropped
   std::atomic<std::uint64_t> overflows{0};  ///< arrivals that found their ring full

@@ -199,7 +199,7 @@ LoadedParameters ParameterStore::load() {
       log_error("{}: {}: {}", file("").string(), describe_problem(loaded.problem, loaded.number),
                 error.what());
       is_bad_ = true;
-      keep_aside();
+      keep_damaged();
     }
   }
   load_previous(loaded);
@@ -231,7 +231,7 @@ void ParameterStore::load_previous(LoadedParameters& loaded) {
   }
 }
 
-void ParameterStore::keep_aside() {
+void ParameterStore::keep_damaged() {
   is_kept_ = attempt("the damaged file could not be kept", [this] {
     const auto damaged = file(".damaged");
     if (files_->exists(damaged)) files_->remove(damaged);
@@ -248,7 +248,7 @@ void ParameterStore::save(const ParameterTable& table) {
   }
   put_back();
   const std::string content = encode(table);
-  write_beside(std::as_bytes(std::span(content)));
+  write_new_file(std::as_bytes(std::span(content)));
   const Replaced replaced = replace();
   try {
     sync_directory();
@@ -270,7 +270,7 @@ void ParameterStore::put_back() {
   }
 }
 
-void ParameterStore::write_beside(std::span<const std::byte> content) {
+void ParameterStore::write_new_file(std::span<const std::byte> content) {
   const auto path = file(".new");
   if (files_->exists(path)) files_->remove(path);
   OpenFile opened(*files_, path, Purpose::create);

@@ -66,7 +66,7 @@ class ParameterStore {
   void save(const ParameterTable& table);
 
   /// Also keeps the present file as `.damaged`. A failure is logged.
-  void keep_aside();
+  void keep_damaged();
 
  private:
   /// The file that a save has replaced.
@@ -83,7 +83,7 @@ class ParameterStore {
   [[nodiscard]] ParameterTable read(const std::filesystem::path& file);
   void load_previous(LoadedParameters& loaded);
   void put_back();
-  void write_beside(std::span<const std::byte> content);
+  void write_new_file(std::span<const std::byte> content);
   Replaced replace();
   void take_back(const Replaced& replaced);
   [[nodiscard]] bool move_away(const std::filesystem::path& to);

@@ -20,23 +20,23 @@ namespace {
 using Filter = std::unique_ptr<void, decltype(&seccomp_release)>;
 
 /// System calls that neither engine nor wire needs.
-constexpr std::initializer_list<int> kForNobody{SCMP_SYS(execve),
-                                                SCMP_SYS(execveat),
-                                                SCMP_SYS(ptrace),
-                                                SCMP_SYS(process_vm_readv),
-                                                SCMP_SYS(process_vm_writev),
-                                                SCMP_SYS(io_uring_setup),
-                                                SCMP_SYS(bpf),
-                                                SCMP_SYS(mount),
-                                                SCMP_SYS(setns),
-                                                SCMP_SYS(kill),
-                                                SCMP_SYS(tkill),
-                                                SCMP_SYS(rt_sigqueueinfo),
-                                                SCMP_SYS(pidfd_send_signal),
-                                                SCMP_SYS(rt_tgsigqueueinfo),
-                                                SCMP_SYS(unshare),
-                                                SCMP_SYS(pivot_root),
-                                                SCMP_SYS(keyctl)};
+constexpr std::initializer_list<int> kForbiddenCalls{SCMP_SYS(execve),
+                                                     SCMP_SYS(execveat),
+                                                     SCMP_SYS(ptrace),
+                                                     SCMP_SYS(process_vm_readv),
+                                                     SCMP_SYS(process_vm_writev),
+                                                     SCMP_SYS(io_uring_setup),
+                                                     SCMP_SYS(bpf),
+                                                     SCMP_SYS(mount),
+                                                     SCMP_SYS(setns),
+                                                     SCMP_SYS(kill),
+                                                     SCMP_SYS(tkill),
+                                                     SCMP_SYS(rt_sigqueueinfo),
+                                                     SCMP_SYS(pidfd_send_signal),
+                                                     SCMP_SYS(rt_tgsigqueueinfo),
+                                                     SCMP_SYS(unshare),
+                                                     SCMP_SYS(pivot_root),
+                                                     SCMP_SYS(keyctl)};
 
 constexpr std::initializer_list<int> kFiles{SCMP_SYS(open),
                                             SCMP_SYS(openat),
@@ -106,7 +106,7 @@ void confine_engine(Network network) {
   // Without the privilege, only the filter confines the engine.
   const bool has_own_network = network == Network::leave && unshare(CLONE_NEWNET) == 0;
   const Filter filter(seccomp_init(SCMP_ACT_ALLOW), &seccomp_release);
-  int code = refuse(filter, kForNobody);
+  int code = refuse(filter, kForbiddenCalls);
   if (code == 0) code = refuse_unless_first_is(filter, SCMP_SYS(socket), AF_UNIX);
   code = code < 0 ? code : load(filter);
   if (code < 0) {
@@ -119,7 +119,7 @@ void confine_engine(Network network) {
 void confine_wire() {
   prctl(PR_SET_NO_NEW_PRIVS, 1UL, 0UL, 0UL, 0UL);  // NOLINT(*-vararg)
   const Filter filter(seccomp_init(SCMP_ACT_ALLOW), &seccomp_release);
-  int code = refuse(filter, kForNobody);
+  int code = refuse(filter, kForbiddenCalls);
   code = code < 0 ? code : refuse(filter, kFiles);
   if (code == 0) {  // a failed assertion has to signal its own process
     code = refuse_unless_first_is(filter, SCMP_SYS(tgkill), static_cast<scmp_datum_t>(getpid()));

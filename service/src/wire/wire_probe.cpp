@@ -17,7 +17,7 @@ using Clock = std::chrono::steady_clock;
 /// A number that no bench has, so that all readers except the wire ignore the sample.
 constexpr std::uint32_t kNoBench = 0;
 
-wire::NetworkSettings of_a_probe(wire::NetworkSettings settings) {
+wire::NetworkSettings probe_settings(wire::NetworkSettings settings) {
   settings.role = wire::Role::client;  // so that it does not discover clients
   return settings;
 }
@@ -71,7 +71,7 @@ class WireProbe::Endpoints {
 WireProbe::WireProbe(wire::NetworkSettings settings, WireProgram& program)
     : program_(program),
       depends_on_server_(!settings.discovery_servers.empty()),
-      participant_(wire::make_participant(of_a_probe(std::move(settings)), "vdrive probe")) {
+      participant_(wire::make_participant(probe_settings(std::move(settings)), "vdrive probe")) {
   program_.expect_probes_from(participant_->source());
 }
 

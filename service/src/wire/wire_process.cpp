@@ -39,7 +39,7 @@ constexpr auto kProbeInterval = 500ms;
 constexpr auto kWaitForReaders = 150ms;
 
 /// If memory runs out, the kernel should kill the wire, because it can be restarted.
-void volunteer_for_the_kernel() {
+void raise_oom_score() {
   constexpr std::string_view kFirst = "500";  // counts as 50 % more of the total memory
   const int file = open("/proc/self/oom_score_adj", O_WRONLY | O_CLOEXEC);  // NOLINT(*-vararg)
   if (file >= 0) {
@@ -217,7 +217,7 @@ void report_error(WireControl& control, std::string_view error) {
 
 int run_wire_process(int region_descriptor) {
   prctl(PR_SET_NAME, "vdrived-wire");  // NOLINT(*-vararg)
-  volunteer_for_the_kernel();
+  raise_oom_score();
   keep_name_servers();
   const WireRegion region = WireRegion::attach(region_descriptor);
   WireControl& control = region.control();

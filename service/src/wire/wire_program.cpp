@@ -24,7 +24,7 @@ using wire::TopicId;
 constexpr std::string_view kService = "vdrived ";
 
 /// Logs refused datagrams with their sender, at most one a second.
-wire::NetworkSettings of_a_service(const WireSettings& settings) {
+wire::NetworkSettings service_settings(const WireSettings& settings) {
   wire::NetworkSettings network = settings.network;
   network.role = wire::Role::service;
   network.guard_sink = [bench = settings.bench, mutex = std::make_shared<std::mutex>(),
@@ -57,7 +57,7 @@ WireProgram::WireProgram(const WireRegion& region, const WireSettings& settings)
     : control_(region.control()),
       bench_(settings.bench),
       is_open_(settings.network.security.empty()),
-      participant_(wire::make_participant(of_a_service(settings),
+      participant_(wire::make_participant(service_settings(settings),
                                           std::string(kService) + std::to_string(settings.bench))),
       publications_(wire::kTopics.size()),
       status_(region.ring(Lane::status)),
@@ -177,7 +177,7 @@ void WireProgram::show(TopicId topic, const std::vector<wire::Source>& readers) 
   // and an additional state would only burden all readers. Otherwise a new client only waits for
   // the state.
   if (topic == Topic<msg::BenchState>::kId && !participant_->presence().may_miss_some()) {
-    control_.is_state_wanted = true;
+    control_.is_state_requested = true;
   }
   if (topic == Topic<msg::Reply>::kId) {
     const std::lock_guard lock(showing_);

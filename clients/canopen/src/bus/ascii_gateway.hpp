@@ -69,7 +69,7 @@ class AsciiGateway final {
   /// Forgets the session: its transfer is aborted, and its waiting lines are dropped.
   void close(GatewaySession session, BusTime now);
 
-  /// Takes a line of an open session. It is carried out once the lines before it are answered.
+  /// Takes a line of an open session. It is carried out once all earlier lines are answered.
   void take_line(GatewaySession session, std::string_view line, BusTime now);
 
   /// @return the number of lines of an open session that wait for their answer; the caller must

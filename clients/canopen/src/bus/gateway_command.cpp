@@ -29,7 +29,7 @@ constexpr std::array kGatewayErrors{
     GatewayErrorRow{GatewayError::pdo_length_exceeded, "PDO length exceeded"},
 };
 
-/// What a command may address before its verb.
+/// The address that may precede the verb of a command.
 enum class GatewayScope : std::uint8_t { nothing, net, node };
 
 struct GatewayVerbRow {

@@ -54,7 +54,7 @@ enum class NodeDataType : std::uint16_t {
 
 enum class NodeAccess : std::uint8_t { read_only, read_write, write_only, constant };
 
-/// Who holds the value of an object.
+/// The holder of an object's value.
 enum class ObjectOwner : std::uint8_t {
   node,   ///< communication object: the node itself (1000h to 1FFFh, and the :00 of every array and
           ///< record)

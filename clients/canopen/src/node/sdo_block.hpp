@@ -33,7 +33,7 @@ struct SdoBlockStep {
                                       ///< data
 };
 
-/// What a client requests or offers in its initiate request.
+/// The terms of a client's initiate request.
 struct SdoBlockTerms {
   std::uint8_t segments = kMostSegments;  ///< per block of an upload, 1 to kMostSegments
   bool has_crc = false;

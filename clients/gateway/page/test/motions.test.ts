@@ -2,7 +2,7 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
 
-import { Motion, type Reading, type Sight } from "../src/data/motions";
+import { Motion, type Reading, type MotionStatus } from "../src/data/motions";
 
 const OWN = 7n;
 const ENABLED = 0x0237;
@@ -14,7 +14,7 @@ const HALT = 0x10f;
 
 /** From 1,000 to 5,000 in profile position mode, accepted before tick 100. */
 const ACCEPTED: Reading = { tick: 100, controlword: 0x0f, mode: 1, target: 5000, position: 1000, span: 0 };
-const ON_THE_WAY: Sight = {
+const ON_THE_WAY: MotionStatus = {
   tick: 101,
   owner: OWN,
   statusword: ENABLED,
@@ -25,7 +25,7 @@ const ON_THE_WAY: Sight = {
   demand: 2010,
   velocity: 20_000,
 };
-const AT_TARGET: Sight = { ...ON_THE_WAY, tick: 300, statusword: ENABLED | REACHED, position: 4999, demand: 5000, velocity: 0 };
+const AT_TARGET: MotionStatus = { ...ON_THE_WAY, tick: 300, statusword: ENABLED | REACHED, position: 4999, demand: 5000, velocity: 0 };
 
 function move(reading: Partial<Reading> = {}, target: number | undefined = reading.target ?? ACCEPTED.target): Motion {
   const motion = Motion.of({ ...ACCEPTED, ...reading }, OWN, target);
@@ -33,7 +33,7 @@ function move(reading: Partial<Reading> = {}, target: number | undefined = readi
   return motion;
 }
 
-function taking(motion: Motion, ...sights: Partial<Sight>[]): Motion {
+function taking(motion: Motion, ...sights: Partial<MotionStatus>[]): Motion {
   for (const sight of sights) motion.take({ ...ON_THE_WAY, ...sight });
   return motion;
 }
@@ -59,7 +59,7 @@ test("a demand that has arrived is not the end before bit 10", () => {
   assert.equal(taking(move(), { ...AT_TARGET, statusword: ENABLED }).end, undefined);
 });
 
-const ENDS: [string, Partial<Sight>, Motion["end"]][] = [
+const ENDS: [string, Partial<MotionStatus>, Motion["end"]][] = [
   ["a fault", { statusword: 0x0208, errorCode: 0x8611 }, { kind: "fault", code: 0x8611 }],
   ["a quick stop", { statusword: 0x0217 }, { kind: "state", state: "quick_stop_active" }],
   ["a lost enable", { statusword: 0x0250 }, { kind: "state", state: "switch_on_disabled" }],
@@ -85,7 +85,7 @@ test("a limit switch that has opened again has ended the move, one on the other 
 });
 
 /** It stands still with bit 10 somewhere on its way. */
-const STANDS: Partial<Sight> = { statusword: ENABLED | REACHED, velocity: 0 };
+const STANDS: Partial<MotionStatus> = { statusword: ENABLED | REACHED, velocity: 0 };
 
 test("where the axis stands on its way the drive is asked: a halt, another set-point, or it goes on", () => {
   const answers: [Partial<Reading>, Motion["end"]][] = [
@@ -121,7 +121,7 @@ test("where a relative move ends is not known before, and bit 10 without a halt 
 });
 
 test("on a modulo axis 6062h of a target beyond the range is its place in the range", () => {
-  const ends = (sight: Partial<Sight>, span: number, target: number) => {
+  const ends = (sight: Partial<MotionStatus>, span: number, target: number) => {
     const motion = taking(move({ target }), { ...STANDS, ...sight });
     motion.answer({ ...ACCEPTED, tick: 102, target, span });
     return motion.end;
@@ -133,7 +133,7 @@ test("on a modulo axis 6062h of a target beyond the range is its place in the ra
 });
 
 test("a homing run ends with home found, a homing error, a halt or an interruption", () => {
-  const runs = (sight: Partial<Sight>) => taking(move({ mode: 6 }), { mode: 6 }, { mode: 6, ...sight });
+  const runs = (sight: Partial<MotionStatus>) => taking(move({ mode: 6 }), { mode: 6 }, { mode: 6, ...sight });
   assert.equal(runs({}).end, undefined);
   assert.equal(runs({ statusword: ENABLED | ATTAINED }).end, undefined);
   assert.deepEqual(runs({ statusword: ENABLED | ATTAINED | REACHED }).end, { kind: "home_found" });

@@ -201,7 +201,7 @@ class AxisGroup {
 
   /// Sends the set-points of the next tick, rounded to integers, in one frame per bench. In
   /// lock-step it steps one tick and returns the state after it, with Pace::observe the state
-  /// before that tick. In real time it waits until the bench is within `lead` of the tick before,
+  /// before that tick. In real time it waits until the bench is within `lead` of the previous tick,
   /// which paces the caller, and returns the newest state. A velocity or a torque stays in force
   /// until the next one.
   /// @return failed if an axis failed (the others are stopped), refused if a set-point was late or

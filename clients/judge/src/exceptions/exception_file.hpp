@@ -12,7 +12,7 @@ namespace vdrive::judge {
 ///
 ///     - rule: handshake-8
 ///       axis: node 5          # every axis without it
-///       reason: the drive looks at its controlword each 125 us
+///       reason: the drive looks at its controlword every 125 us
 ///
 /// @throws settings::ConfigurationError naming file, line and key, for anything else: an unknown
 ///         rule, an exception without a reason.
@@ -21,7 +21,7 @@ namespace vdrive::judge {
 
 /// Reads the exceptions in the comments of a scenario:
 ///
-///     # judge: off handshake-8 because the drive looks at its controlword each 125 us
+///     # judge: off handshake-8 because the drive looks at its controlword every 125 us
 ///     # judge: off motion-1 on 1.2 because this file is about the limits
 ///
 /// @throws settings::ConfigurationError naming file and line, for a comment that begins with

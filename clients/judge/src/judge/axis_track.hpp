@@ -71,7 +71,7 @@ inline constexpr Time kFreshPosition{std::chrono::milliseconds(100)};
 /// Smaller changes are not jumps [user units].
 inline constexpr std::int64_t kSmallJump = 100;
 
-/// What the master appears to be waiting for.
+/// The event that the master appears to be waiting for.
 enum class Waiting : std::uint8_t {
   nothing,
   switch_on_disabled,
@@ -86,7 +86,7 @@ enum class Waiting : std::uint8_t {
   homing,
 };
 
-/// What is known about one axis: the commands of the master, and the last state shown by the drive.
+/// The knowledge about one axis: the commands of the master, and the last state shown by the drive.
 /// Nothing is guessed; anything not seen is absent.
 struct AxisTrack {
   // ---- the drive

@@ -41,7 +41,7 @@ void add_table(std::string& text, const Finding& finding) {
   }
 }
 
-void add_finding(std::string& text, const Finding& finding, const ReportFace& face) {
+void add_finding(std::string& text, const Finding& finding, const ReportLabels& face) {
   const RuleRow& row = row_of(finding.rule);
   text.append("\n").append(to_string(row.severity)).append(" ").append(row.name);
   text.append(" on ")
@@ -119,7 +119,7 @@ std::string unjudged_text(const Unjudged& unjudged, const AxisName& name_of) {
   return text.append(": ").append(missing_text(unjudged.fact));
 }
 
-std::string text_report(const Verdict& verdict, const ReportFace& face) {
+std::string text_report(const Verdict& verdict, const ReportLabels& face) {
   std::string text = face.source + ": " + summary_text(verdict) + "; " +
                      counted(verdict.records, "record", "records") + " in " +
                      duration_text(verdict.last - verdict.first) + "\n";

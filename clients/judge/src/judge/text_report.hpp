@@ -11,7 +11,7 @@
 namespace vdrive::judge {
 
 /// The parts of a report in addition to the verdict.
-struct ReportFace {
+struct ReportLabels {
   std::string source;                ///< such as the name of the log
   AxisName name_of;                  ///< display names of the axes
   std::vector<std::string> notes{};  ///< notes of the source about itself, one per line
@@ -36,6 +36,6 @@ using CycleRow = std::array<std::string, kCycleColumns.size()>;
 
 /// The verdict for a reader: worst first, each finding with the table around it.
 /// @return lines, each with its line end.
-[[nodiscard]] std::string text_report(const Verdict& verdict, const ReportFace& face);
+[[nodiscard]] std::string text_report(const Verdict& verdict, const ReportLabels& face);
 
 }  // namespace vdrive::judge

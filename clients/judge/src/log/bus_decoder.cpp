@@ -101,7 +101,7 @@ struct Consumed {
   Time limit{};
 };
 
-/// What is known about a node.
+/// The knowledge about a node.
 struct BusDecoder::Node {
   Node(std::uint8_t its_number, const canopen::DataSheet* sheet)
       : number(its_number), pdos(its_number, sheet) {}

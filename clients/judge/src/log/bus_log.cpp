@@ -99,14 +99,14 @@ class LogJudge {
       ++result_.lines.other_interfaces;
       return;
     }
-    pass_time(frame.time ? *frame.time + offset_ : last_ + kNoTime);
+    advance_time(frame.time ? *frame.time + offset_ : last_ + kNoTime);
     const DecodedFrame decoded = decoder_.take(last_, frame.frame, result_.lines.lines);
     if (watcher_) watcher_(result_.lines.lines, decoded);
   }
 
   /// If the clock was set back, or another log follows, time continues from where it was. After a
   /// long step it is unknown what happened in between.
-  void pass_time(Time time) {
+  void advance_time(Time time) {
     const Time now = std::min(time, kEndOfTime);
     if (now < last_) {
       ++result_.lines.backwards;

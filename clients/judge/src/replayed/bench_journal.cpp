@@ -177,7 +177,7 @@ bool is_journal(std::istream& source) {
 JournalVerdict judge_journal(std::istream& journal, std::optional<std::uint32_t> threads) {
   JournalJudge judge;
   const service::ReplayResult result = service::replay(
-      journal, {.threads = threads, .ticks_a_check = kTicksACheck, .observer = &judge});
+      journal, {.threads = threads, .check_interval = kTicksACheck, .observer = &judge});
   if (!result.agrees) {
     throw std::runtime_error("its drives do not do again what it recorded: " + result.text);
   }

@@ -47,14 +47,14 @@ struct ObjectAddress {
 /// Position of an object in the dictionary; rows are sorted by index, then sub-index.
 using ObjectRow = std::uint16_t;
 
-/// What writing an object means for control of the axis.
+/// The meaning of a write for control of the axis.
 enum class Role : std::uint8_t {
   parameter,   ///< anybody may write it on a free axis, the owner on its own axes
   command,     ///< it moves the axis: writing it on a free axis takes control of the axis
   test_input,  ///< it is an input of the test bench: anybody may write it on any axis
 };
 
-/// What an accepted write changes in addition to the register.
+/// The effect of an accepted write in addition to the register.
 enum class Change : std::uint8_t {
   limits,          ///< values derived from registers: limits, windows, units
   torque_limits,   ///< the same, and the limits of the servo

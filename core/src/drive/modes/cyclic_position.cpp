@@ -40,7 +40,7 @@ void advance(Drive& drive) {
   }
   if (!take_set_point(drive, set_point(drive))) return;
   const double target = streamed_position(drive, set_point(drive));
-  if (heed_limit_switch(drive, target - demand_position(drive))) end_stream(drive);
+  if (give_up_target_at_limit_switch(drive, target - demand_position(drive))) end_stream(drive);
 }
 
 MotionRequest ask(const Drive& drive) {

@@ -39,7 +39,8 @@ void advance(Drive& drive) {
   if (!take_set_point(drive, set_point(drive))) return;
   const double torque = set_point(drive);
   const bool drifts = torque == 0.0 && drifts_into_limit_switch(drive);
-  if (heed_limit_switch(drive, drifts ? actual_velocity(drive) : torque)) end_stream(drive);
+  if (give_up_target_at_limit_switch(drive, drifts ? actual_velocity(drive) : torque))
+    end_stream(drive);
 }
 
 /// The torque at which the interpolation starts: another loop hands over its command.

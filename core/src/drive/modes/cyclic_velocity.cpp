@@ -37,7 +37,7 @@ void advance(Drive& drive) {
   }
   drive.state().target.given_up = false;
   if (!take_set_point(drive, set_point(drive))) return;
-  if (heed_limit_switch(drive, set_point(drive))) end_stream(drive);
+  if (give_up_target_at_limit_switch(drive, set_point(drive))) end_stream(drive);
 }
 
 MotionRequest stop(const Drive& drive) {

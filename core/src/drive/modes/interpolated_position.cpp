@@ -102,7 +102,7 @@ void advance(Drive& drive) {
   s.target.given_up = false;
   if (!take_set_point(drive, present_record(drive))) return;
   const double target = streamed_position(drive, present_record(drive));
-  if (heed_limit_switch(drive, target - demand_position(drive))) {
+  if (give_up_target_at_limit_switch(drive, target - demand_position(drive))) {
     end_stream(drive);
     drive.registers().record_buffer.count = 0;
   }

@@ -168,11 +168,11 @@ void command(Drive& drive, const WrittenControlword& word) {
     case SetPointOutcome::started:
       start(drive, latched);
       s.target.fresh = true;
-      set_points.greets = false;
+      set_points.acknowledges_enabling = false;
       break;
     case SetPointOutcome::buffered:
       s.target.fresh = true;
-      set_points.greets = false;
+      set_points.acknowledges_enabling = false;
       break;
     case SetPointOutcome::ignored:
       ++s.ignored_set_points;
@@ -187,7 +187,7 @@ void command(Drive& drive, const WrittenControlword& word) {
 void advance(Drive& drive) {
   DriveState& s = drive.state();
   const double ahead = s.target.given ? s.target.position - demand_position(drive) : 0.0;
-  if (!heed_limit_switch(drive, ahead)) return;
+  if (!give_up_target_at_limit_switch(drive, ahead)) return;
   // Keep bit 12: a master waits for it before it clears bit 4.
   s.modes.position.queue.drop_buffered(s.controlword);
   s.modes.position.active = false;
@@ -269,7 +269,7 @@ void take_next(Drive& drive) {
 /// Bit 10: the target is reached, or under halt, standstill; bit 12: the acknowledge.
 std::uint16_t status_bits(const Drive& drive) {
   const SetPointState& set_points = drive.state().modes.position;
-  const bool acknowledged = set_points.queue.acknowledge() || set_points.greets;
+  const bool acknowledged = set_points.queue.acknowledge() || set_points.acknowledges_enabling;
   return static_cast<std::uint16_t>(
       reached_when(halted(drive) ? at_rest(drive) : on_target(drive)) |
       (acknowledged ? Statusword::kSetPointAcknowledge : 0U));

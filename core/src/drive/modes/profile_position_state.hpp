@@ -12,7 +12,8 @@ namespace vdrive {
 struct SetPointState {
   SetPointQueue queue;
   bool active = false;  // the active set-point has not been reached yet
-  bool greets = false;  // bit 12 is shown from transition 4 until a set-point is taken
+  bool acknowledges_enabling =
+      false;  // bit 12 is shown from transition 4 until a set-point is taken
   std::array<std::uint8_t, 2> unused{};
 };
 

@@ -22,7 +22,7 @@ void take_torque(Drive& drive, ObjectRow row) {
 void advance(Drive& drive) {
   const double target = real(drive, "target_torque"_object);
   const bool drifts = target == 0.0 && drifts_into_limit_switch(drive);
-  heed_limit_switch(drive, drifts ? actual_velocity(drive) : target);
+  give_up_target_at_limit_switch(drive, drifts ? actual_velocity(drive) : target);
 }
 
 /// A limit switch takes precedence over halt.

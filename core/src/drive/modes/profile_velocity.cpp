@@ -21,7 +21,7 @@ void take_velocity(Drive& drive, ObjectRow row) {
 }
 
 void advance(Drive& drive) {
-  heed_limit_switch(drive, real(drive, "target_velocity"_object));
+  give_up_target_at_limit_switch(drive, real(drive, "target_velocity"_object));
 }
 
 MotionRequest ask(const Drive& drive) {

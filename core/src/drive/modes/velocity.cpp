@@ -59,7 +59,7 @@ void take_velocity(Drive& drive, ObjectRow row) {
 }
 
 void advance(Drive& drive) {
-  heed_limit_switch(drive, destination(drive));
+  give_up_target_at_limit_switch(drive, destination(drive));
 }
 
 MotionRequest ask(const Drive& drive) {

@@ -8,7 +8,7 @@
 #include <tuple>
 #include <type_traits>
 
-/// What the IDL says about a type. All code that iterates over the members of a message uses its
+/// The IDL's description of a type. All code that iterates over the members of a message uses its
 /// description: encoding, decoding, bounds, keys, texts, columns, metrics.
 namespace vdrive::wire {
 

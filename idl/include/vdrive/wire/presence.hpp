@@ -11,7 +11,7 @@
 
 namespace vdrive::wire {
 
-/// What another participant announces about itself.
+/// The announcement of another participant.
 struct OtherParticipant {
   std::string name;
   Source source;

@@ -41,7 +41,7 @@ class RequestMembers {
   std::uint32_t bits_;
 };
 
-/// Who may make a request.
+/// The callers that may make a request.
 enum class RequestCaller : std::uint8_t {
   anybody,  ///< even without a session
   session,  ///< any session; 0 is refused with REASON_BAD_SESSION

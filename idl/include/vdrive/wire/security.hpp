@@ -21,7 +21,7 @@ struct SecurityFile {
   static constexpr std::string_view kPermissions = "permissions.smime";
 };
 
-/// What the signed permissions of an identity allow it to publish in one domain.
+/// The topics that the signed permissions of an identity allow it to publish in one domain.
 class Permissions {
  public:
   struct Rule {

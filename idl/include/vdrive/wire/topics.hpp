@@ -31,7 +31,7 @@ struct TopicQuality {
   std::int32_t instances = 1;  ///< number of keys in the domain
 };
 
-/// Who publishes a topic; the other side subscribes.
+/// The side that publishes a topic; the other one subscribes.
 enum class Publisher : std::uint8_t { client, service };
 
 /// A topic: the type of its messages, its name without the prefix, its publisher and its quality.

@@ -58,13 +58,14 @@ bool write_to(dds::DataWriter& writer, void* sample) {
   return writer.write(sample);
 }
 
-bool SeeingTransport::send(rtps::SenderResource* low, const std::uint8_t* bytes, std::uint32_t size,
-                           rtps::LocatorsIterator* first, rtps::LocatorsIterator* last,
-                           const std::chrono::steady_clock::time_point& timeout) {
+bool ObservingTransport::send(rtps::SenderResource* low, const std::uint8_t* bytes,
+                              std::uint32_t size, rtps::LocatorsIterator* first,
+                              rtps::LocatorsIterator* last,
+                              const std::chrono::steady_clock::time_point& timeout) {
   std::vector<std::uint8_t> changed;
   const auto leaving = sends({bytes, size}, changed);
   std::vector<rtps::Locator_t> rest;
-  if (!sends_itself(*low, leaving, *first, *last, rest)) {
+  if (!sends_directly(*low, leaving, *first, *last, rest)) {
     return low->send(leaving.data(), size, first, last, timeout);
   }
   eprosima::fastdds::rtps::Locators rest_begin(rest.cbegin());

@@ -103,7 +103,7 @@ class ParticipantListener : public dds::DomainParticipantListener {
 };
 
 /// A transport in front of another one, which sees each datagram as it leaves.
-class SeeingTransport : public eprosima::fastdds::rtps::ChainingTransport {
+class ObservingTransport : public eprosima::fastdds::rtps::ChainingTransport {
  public:
   using ChainingTransport::ChainingTransport;
 
@@ -120,9 +120,10 @@ class SeeingTransport : public eprosima::fastdds::rtps::ChainingTransport {
   /// stand-ins for host names, and addresses that it has not announced. The library calls this for
   /// each of its sockets.
   /// @return whether it has consumed `first`; the library then sends to `rest`.
-  virtual bool sends_itself(const rtps::SenderResource& low, std::span<const std::uint8_t> datagram,
-                            rtps::LocatorsIterator& first, const rtps::LocatorsIterator& last,
-                            std::vector<rtps::Locator_t>& rest) = 0;
+  virtual bool sends_directly(const rtps::SenderResource& low,
+                              std::span<const std::uint8_t> datagram, rtps::LocatorsIterator& first,
+                              const rtps::LocatorsIterator& last,
+                              std::vector<rtps::Locator_t>& rest) = 0;
 };
 
 }  // namespace vdrive::wire

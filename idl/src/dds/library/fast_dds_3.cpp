@@ -65,10 +65,10 @@ bool write_to(dds::DataWriter& writer, void* sample) {
 /// pieces. The shared memory transport of 3.1.2 writes nothing there but sends the piece anyway,
 /// with whatever the memory contained, and the guard of the receiver would refuse it. So that piece
 /// is left out.
-bool SeeingTransport::send(rtps::SenderResource* low,
-                           const std::vector<rtps::NetworkBuffer>& pieces, std::uint32_t size,
-                           rtps::LocatorsIterator* first, rtps::LocatorsIterator* last,
-                           const std::chrono::steady_clock::time_point& timeout) {
+bool ObservingTransport::send(rtps::SenderResource* low,
+                              const std::vector<rtps::NetworkBuffer>& pieces, std::uint32_t size,
+                              rtps::LocatorsIterator* first, rtps::LocatorsIterator* last,
+                              const std::chrono::steady_clock::time_point& timeout) {
   constexpr std::uint32_t kStatisticsPiece = kSubmessageHeaderSize + kStatisticsSize;
   const bool is_unset =
       low->kind() == LOCATOR_KIND_SHM && !pieces.empty() && pieces.back().size == kStatisticsPiece;
@@ -84,7 +84,7 @@ bool SeeingTransport::send(rtps::SenderResource* low,
   const auto leaving = sends(datagram, changed);
   const bool is_changed = leaving.data() != datagram.data();
   std::vector<rtps::Locator_t> rest;
-  const bool is_split = sends_itself(*low, leaving, *first, *last, rest);
+  const bool is_split = sends_directly(*low, leaving, *first, *last, rest);
   eprosima::fastdds::rtps::Locators rest_begin(rest.cbegin());
   eprosima::fastdds::rtps::Locators rest_end(rest.cend());
   if (is_split) {

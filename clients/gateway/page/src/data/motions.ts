@@ -24,7 +24,7 @@ export interface Reading {
 }
 
 /** The status of an axis after a tick. */
-export interface Sight {
+export interface MotionStatus {
   tick: number;
   /** session, 0 = nobody */
   owner: bigint;
@@ -94,7 +94,7 @@ export class Motion {
   }
 
   /** Ignores a status from before the drive accepted the motion, which belongs to an earlier one. */
-  take(sight: Sight): void {
+  take(sight: MotionStatus): void {
     if (this.end !== undefined || sight.tick < this.start.tick) return;
     this.position = sight.position;
     this.demand = sight.demand;
@@ -117,7 +117,7 @@ export class Motion {
     return this.target !== undefined && this.demand !== undefined && span > 0 && (this.target - this.demand) % span === 0;
   }
 
-  private endFromOutside({ owner, statusword, mode, errorCode }: Sight): Cause | undefined {
+  private endFromOutside({ owner, statusword, mode, errorCode }: MotionStatus): Cause | undefined {
     const state = decodePowerState(statusword);
     if (state === "fault" || state === "fault_reaction_active") return { kind: "fault", code: errorCode };
     if (state !== "operation_enabled") return { kind: "state", state };
@@ -125,14 +125,14 @@ export class Motion {
     return mode === this.start.mode ? undefined : { kind: "mode", mode };
   }
 
-  private endOfHoming({ statusword }: Sight): Cause | undefined {
+  private endOfHoming({ statusword }: MotionStatus): Cause | undefined {
     if (isAmong(statusword, STATUS_BIT.modeError)) return { kind: "homing_error" };
     const attained = STATUS_BIT.targetReached | STATUS_BIT.acknowledge;
     return (statusword & attained) === attained ? { kind: "home_found" } : undefined;
   }
 
   /** As in the client library: a limit switch in the way ends the motion for good, even if it opens again. */
-  private endOfMove({ statusword, inputs, demand, velocity }: Sight): Cause | undefined {
+  private endOfMove({ statusword, inputs, demand, velocity }: MotionStatus): Cause | undefined {
     const way = this.target === undefined ? velocity : this.target - demand;
     if (way > 0 && isAmong(inputs, INPUT_BIT.positiveLimit)) this.blocked = "positive_limit";
     if (way < 0 && isAmong(inputs, INPUT_BIT.negativeLimit)) this.blocked = "negative_limit";

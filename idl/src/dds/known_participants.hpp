@@ -16,7 +16,7 @@ namespace vdrive::wire {
 /// The other participants that the library has reported. Fast DDS 2.9 and 3.1: the library function
 /// for this, DomainParticipant::get_participant_names, reads its list without the lock under which
 /// the receive threads change it. Thread-safe.
-class Others final : public ParticipantListener {
+class KnownParticipants final : public ParticipantListener {
  public:
   /// @param guard is told which participants are known, and knows what the library does not report;
   ///        must outlive this object. Call before there is a participant.

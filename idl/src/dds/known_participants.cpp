@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "dds/others.hpp"
+#include "dds/known_participants.hpp"
 
 #include "dds/entities.hpp"
 
@@ -7,7 +7,7 @@
 
 namespace vdrive::wire {
 
-std::vector<OtherParticipant> Others::named(std::string_view beginning) const {
+std::vector<OtherParticipant> KnownParticipants::named(std::string_view beginning) const {
   std::vector<OtherParticipant> named;
   const std::scoped_lock lock(mutex_);
   for (const auto& [prefix, other] : known_) {
@@ -16,7 +16,7 @@ std::vector<OtherParticipant> Others::named(std::string_view beginning) const {
   return named;
 }
 
-bool Others::has_server() const {
+bool KnownParticipants::has_server() const {
   const auto is_server = [](const auto& known) {
     return ReturnedServers::is_server(known.second.source.participant);
   };
@@ -24,8 +24,8 @@ bool Others::has_server() const {
   return std::ranges::any_of(known_, is_server);
 }
 
-void Others::find(const rtps::GUID_t& guid, const std::string& name,
-                  const std::vector<rtps::octet>& user_data) {
+void KnownParticipants::find(const rtps::GUID_t& guid, const std::string& name,
+                             const std::vector<rtps::octet>& user_data) {
   const Source source = source_of(rtps::InstanceHandle_t(guid));
   // The library creates readers for it after this call.
   const bool is_closed = guard_ != nullptr && guard_->found(source.participant);
@@ -36,7 +36,7 @@ void Others::find(const rtps::GUID_t& guid, const std::string& name,
                              .place = {user_data.begin(), user_data.end()}};
 }
 
-void Others::lose(const rtps::GUID_t& guid) {
+void KnownParticipants::lose(const rtps::GUID_t& guid) {
   const std::scoped_lock lock(mutex_);
   known_.erase(guid.guidPrefix);
   // The library no longer has readers for it.

@@ -15,13 +15,13 @@ namespace vdrive::python {
 /// The system ends such a process when the thread that started it ends. This thread does nothing
 /// else, so the object can be used from any thread, and its process ends when this one is killed.
 template <typename Kept>
-class KeptInThread {
+class ThreadOwned {
  public:
   using Make = std::function<std::unique_ptr<Kept>()>;
 
   /// Waits until the object has been created.
   /// @throws as `make` does
-  explicit KeptInThread(Make make) {
+  explicit ThreadOwned(Make make) {
     std::promise<Kept*> made;
     std::future<Kept*> answer = made.get_future();
     thread_ = std::jthread(

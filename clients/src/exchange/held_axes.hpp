@@ -16,7 +16,7 @@
 namespace vdrive::client {
 
 /// The axes that a session releases in one run of a service.
-struct GivenBack {
+struct ReleasedAxes {
   BenchKey key;
   std::vector<std::uint16_t> axes;
   std::vector<std::uint16_t> kept;  ///< running and not seen to stop
@@ -28,9 +28,9 @@ struct GivenBack {
 /// An axis that a call has set into a motion without an end (a velocity, a torque, a stream) counts
 /// as running until it was seen at rest, or until the program was told that it runs on. A running
 /// axis is not released: no watchdog would ever stop a free axis.
-class Holdings {
+class HeldAxes {
  public:
-  explicit Holdings(std::uint64_t session) : session_(session) {}
+  explicit HeldAxes(std::uint64_t session) : session_(session) {}
 
   /// Puts the messages to a bench in order: one sender at a time numbers and sends its frames, and
   /// no frame is sent during a request that may change the epoch. A bench that does not answer
@@ -74,10 +74,10 @@ class Holdings {
 
   /// @return the axes that this session releases, by run. From now on it sends them no keep-alives,
   ///         and none of its calls relies on an axis that it kept.
-  [[nodiscard]] std::vector<GivenBack> drop_all();
+  [[nodiscard]] std::vector<ReleasedAxes> drop_all();
 
   /// @return as drop_all(), for one bench; nothing if this session holds none of its axes.
-  [[nodiscard]] std::optional<GivenBack> drop(std::uint32_t bench);
+  [[nodiscard]] std::optional<ReleasedAxes> drop(std::uint32_t bench);
 
   /// @return the runs that need keep-alives.
   [[nodiscard]] std::vector<BenchKey> to_keep_alive() const;
@@ -112,7 +112,7 @@ class Holdings {
   std::mutex& send_mutex_of(std::uint32_t bench);
   Holding& holding(const BenchKey& key);
   msg::CommandFrame frame_of(Holding& held) const;
-  static std::optional<GivenBack> give_back(Holding& held);
+  static std::optional<ReleasedAxes> give_back(Holding& held);
 
   const std::uint64_t session_;
   mutable std::mutex mutex_;  ///< guards the members below

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "exchange/holdings.hpp"
+#include "exchange/held_axes.hpp"
 
 #include "base/drive_words.hpp"
 
@@ -8,21 +8,21 @@
 
 namespace vdrive::client {
 
-std::mutex& Holdings::send_mutex_of(std::uint32_t bench) {
+std::mutex& HeldAxes::send_mutex_of(std::uint32_t bench) {
   const std::scoped_lock lock(mutex_);
   return send_mutexes_[bench];
 }
 
-std::unique_lock<std::mutex> Holdings::lock_sending(std::uint32_t bench) {
+std::unique_lock<std::mutex> HeldAxes::lock_sending(std::uint32_t bench) {
   return std::unique_lock(send_mutex_of(bench));
 }
 
-std::unique_lock<std::mutex> Holdings::try_lock_sending(std::uint32_t bench) {
+std::unique_lock<std::mutex> HeldAxes::try_lock_sending(std::uint32_t bench) {
   return {send_mutex_of(bench), std::try_to_lock};
 }
 
 /// Called with the mutex held. Another run of the service starts empty.
-Holdings::Holding& Holdings::holding(const BenchKey& key) {
+HeldAxes::Holding& HeldAxes::holding(const BenchKey& key) {
   Holding& holding = holdings_[key.number];
   if (holding.key != key) {
     holding = {};
@@ -31,7 +31,7 @@ Holdings::Holding& Holdings::holding(const BenchKey& key) {
   return holding;
 }
 
-bool Holdings::note_acquired(const BenchKey& key, std::span<const std::uint16_t> axes,
+bool HeldAxes::note_acquired(const BenchKey& key, std::span<const std::uint16_t> axes,
                              std::uint32_t epoch, bool lives_by_wall_clock) {
   const std::scoped_lock lock(mutex_);
   Holding& held = holding(key);
@@ -43,7 +43,7 @@ bool Holdings::note_acquired(const BenchKey& key, std::span<const std::uint16_t>
   return is_new;
 }
 
-void Holdings::note_answer(const msg::CommandReply& reply) {
+void HeldAxes::note_answer(const msg::CommandReply& reply) {
   const bool is_lost = std::ranges::any_of(reply.refusals, [](const msg::Refusal& refusal) {
     return refusal.axis == 0 && (refusal.reason == msg::Reason::stale_epoch ||
                                  refusal.reason == msg::Reason::wrong_incarnation);
@@ -56,7 +56,7 @@ void Holdings::note_answer(const msg::CommandReply& reply) {
   if (reply.sequence_number >= held->second.epoch_since) held->second.axes.clear();
 }
 
-bool Holdings::holds(const BenchKey& key, std::span<const std::uint16_t> axes) {
+bool HeldAxes::holds(const BenchKey& key, std::span<const std::uint16_t> axes) {
   const std::scoped_lock lock(mutex_);
   const std::set<std::uint16_t>& held = holding(key).axes;
   return std::ranges::all_of(axes, [&held](std::uint16_t axis) {
@@ -64,25 +64,25 @@ bool Holdings::holds(const BenchKey& key, std::span<const std::uint16_t> axes) {
   });
 }
 
-void Holdings::note_running(const BenchKey& key, std::span<const std::uint16_t> axes,
+void HeldAxes::note_running(const BenchKey& key, std::span<const std::uint16_t> axes,
                             std::uint64_t sequence) {
   const std::scoped_lock lock(mutex_);
   auto& running = holding(key).running;
   for (const std::uint16_t axis : axes) running[axis] = {.sequence = sequence};
 }
 
-bool Holdings::is_running(const BenchKey& key, std::uint16_t axis) {
+bool HeldAxes::is_running(const BenchKey& key, std::uint16_t axis) {
   const std::scoped_lock lock(mutex_);
   return holding(key).running.contains(axis);
 }
 
-void Holdings::forget_running(const BenchKey& key, std::span<const std::uint16_t> axes) {
+void HeldAxes::forget_running(const BenchKey& key, std::span<const std::uint16_t> axes) {
   const std::scoped_lock lock(mutex_);
   auto& running = holding(key).running;
   for (const std::uint16_t axis : axes) running.erase(axis);
 }
 
-void Holdings::note_seen(const BenchKey& key, std::span<const AxisSnapshot> axes) {
+void HeldAxes::note_seen(const BenchKey& key, std::span<const AxisSnapshot> axes) {
   // In the tick of the command an axis may still show the standstill of the previous mode.
   constexpr std::uint64_t kModeChange = 1;
   const std::scoped_lock lock(mutex_);
@@ -101,9 +101,9 @@ void Holdings::note_seen(const BenchKey& key, std::span<const AxisSnapshot> axes
 
 /// Called with the mutex held. Axes that are kept are left to the watchdog of the bench, which acts
 /// when this session falls silent.
-std::optional<GivenBack> Holdings::give_back(Holding& held) {
+std::optional<ReleasedAxes> HeldAxes::give_back(Holding& held) {
   if (held.axes.empty()) return std::nullopt;
-  GivenBack given{.key = held.key, .axes = {}, .kept = {}};
+  ReleasedAxes given{.key = held.key, .axes = {}, .kept = {}};
   for (const std::uint16_t axis : held.axes) {
     (held.running.contains(axis) ? given.kept : given.axes).push_back(axis);
   }
@@ -111,22 +111,22 @@ std::optional<GivenBack> Holdings::give_back(Holding& held) {
   return given;
 }
 
-std::vector<GivenBack> Holdings::drop_all() {
+std::vector<ReleasedAxes> HeldAxes::drop_all() {
   const std::scoped_lock lock(mutex_);
-  std::vector<GivenBack> dropped;
+  std::vector<ReleasedAxes> dropped;
   for (auto& [bench, held] : holdings_) {
     if (auto given = give_back(held)) dropped.push_back(std::move(*given));
   }
   return dropped;
 }
 
-std::optional<GivenBack> Holdings::drop(std::uint32_t bench) {
+std::optional<ReleasedAxes> HeldAxes::drop(std::uint32_t bench) {
   const std::scoped_lock lock(mutex_);
   const auto held = holdings_.find(bench);
   return held == holdings_.end() ? std::nullopt : give_back(held->second);
 }
 
-std::vector<BenchKey> Holdings::to_keep_alive() const {
+std::vector<BenchKey> HeldAxes::to_keep_alive() const {
   const std::scoped_lock lock(mutex_);
   std::vector<BenchKey> keys;
   for (const auto& [bench, held] : holdings_) {
@@ -135,7 +135,7 @@ std::vector<BenchKey> Holdings::to_keep_alive() const {
   return keys;
 }
 
-msg::CommandFrame Holdings::frame_of(Holding& held) const {
+msg::CommandFrame HeldAxes::frame_of(Holding& held) const {
   msg::CommandFrame frame;
   frame.bench = held.key.number;
   frame.incarnation = held.key.incarnation;
@@ -145,19 +145,19 @@ msg::CommandFrame Holdings::frame_of(Holding& held) const {
   return frame;
 }
 
-msg::CommandFrame Holdings::next_frame(const BenchKey& key) {
+msg::CommandFrame HeldAxes::next_frame(const BenchKey& key) {
   const std::scoped_lock lock(mutex_);
   return frame_of(holding(key));
 }
 
-std::optional<msg::CommandFrame> Holdings::next_keep_alive(const BenchKey& key) {
+std::optional<msg::CommandFrame> HeldAxes::next_keep_alive(const BenchKey& key) {
   const std::scoped_lock lock(mutex_);
   Holding& held = holdings_.at(key.number);
   if (held.key != key) return std::nullopt;
   return frame_of(held);
 }
 
-std::uint64_t Holdings::last_sequence(const BenchKey& key) {
+std::uint64_t HeldAxes::last_sequence(const BenchKey& key) {
   const std::scoped_lock lock(mutex_);
   return holding(key).sequence;
 }
