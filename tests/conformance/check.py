@@ -11,12 +11,13 @@ that exist, ran and passed.
                        have run and passed, in one of the files
     --page FILE        a page with the name of one of the two; default: both
 
-Each table of a page that begins with a column "id" ends with a column "held by": names of tests as
-tests/checks/results.py prints them, in backticks, separated by <br>. Identifiers of conformance.md: O-607D:01 an
-object of the manual's table, M-12 a statement of the manual, A-12 an ambiguity, R-12 a rule of
-interoperability; of conformance-canopen.md: O-1017 an object of CiA 301, C-12 a clause of CiA 301,
-D-12 one of CiA 402 on CANopen, M-12 a rule that masters rely on. A test that was skipped, disabled
-or left out does not count. Exit code 0: no errors; otherwise each line of the output is one error.
+A statement is an item of a list, "- **M-12** text", possibly of several lines. Its last line has the names
+of its tests as tests/checks/results.py prints them, in backticks, separated by <br>. A line of names before
+a list holds each of its items that has none. Identifiers of conformance.md: O-607D:01 an object of the
+manual's table, M-12 a statement of the manual, A-12 an ambiguity, R-12 a rule of interoperability; of
+conformance-canopen.md: O-1017 an object of CiA 301, C-12 a clause of CiA 301, D-12 one of CiA 402 on
+CANopen, M-12 a rule that masters rely on. A test that was skipped, disabled or left out does not count.
+Exit code 0: no errors; otherwise each line of the output is one error.
 """
 import argparse
 import collections
@@ -46,8 +47,8 @@ Row = collections.namedtuple("Row", "line identifier text tests")
 
 
 def parse(text):
-    """The rows of the page's tables, and the errors in their format."""
-    rows, findings, header = [], [], None
+    """The statements of the page, and the errors in their format."""
+    rows, findings, common, is_item = [], [], [], False
     for number, line in enumerate(text.splitlines(), 1):
         item = ITEM.fullmatch(line)
         tests = re.findall(r"`([^`]*)`", line)

@@ -78,8 +78,8 @@ class ThePage(unittest.TestCase):
 
 class ThePageOfCanopen(unittest.TestCase):
     def findings_of(self, identifier, change):
-        """The errors of the page after `change` has changed a row."""
-        row = re.search(rf"^\| {re.escape(identifier)} \|.*\n", CANOPEN_PAGE, flags=re.MULTILINE).group()
+        """The errors of the page after `change` has changed a statement."""
+        row = row_of(identifier, CANOPEN_PAGE)
         page = CANOPEN_PAGE.replace(row, change(row))
         return check.check_page(page, check.PAGES["conformance-canopen.md"])[1]
 

@@ -51,7 +51,6 @@ TEST(Rules, HaveNamesOfTheirOwnAndEveryCell) {
          {row.title, row.clause, row.expected, row.remedy, row.wrong, row.right}) {
       EXPECT_THAT(cell, Not(IsEmpty())) << row.name;
       EXPECT_FALSE(cell.ends_with('.')) << row.name << ": the report ends its sentences";
-      EXPECT_EQ(cell.find('|'), std::string_view::npos) << row.name << ": a table of Markdown";
     }
   }
 }

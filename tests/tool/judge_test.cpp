@@ -71,7 +71,7 @@ TEST_F(JudgeCommandTest, TellsEachFindingOnceWorstFirstWithTheTableAroundIt) {
   const Finished done = judge({kLog});
   EXPECT_EQ(done.code, 1);
   EXPECT_THAT(done.output, StartsWith(kLog + ": 3 findings on 1 axis: 2 errors, 1 warning"));
-  const std::size_t first = done.output.find("error handshake-2 on node 5: Bit 4 stays up");
+  const std::size_t first = done.output.find("error handshake-2 on node 5: Bit 4 stays 1");
   const std::size_t second = done.output.find("error pdo-1 on node 5");
   const std::size_t third = done.output.find("warning state-2 on node 5");
   ASSERT_NE(third, std::string::npos);

@@ -55,7 +55,7 @@ inline constexpr std::array kDisturbances{
     DisturbanceRow{
         Disturbance::dc_link_loss, "dc_link_loss", "test_dc_link_loss",
         ErrorCode::dc_link_under_voltage,
-        "immediately if the motor has power; otherwise the axis goes to Switch on disabled"},
+        "immediately if the motor has power; otherwise the axis changes to Switch on disabled"},
     DisturbanceRow{Disturbance::positive_limit, "positive_limit", "test_positive_limit_input",
                    ErrorCode::none, "stops a motion in positive direction; bit 1 of 60FDh"},
     DisturbanceRow{Disturbance::negative_limit, "negative_limit", "test_negative_limit_input",
@@ -64,17 +64,18 @@ inline constexpr std::array kDisturbances{
                    "the home switch for homing; bit 2 of 60FDh"},
     DisturbanceRow{Disturbance::index_pulse, "index_pulse", "test_index_pulse_input",
                    ErrorCode::none, "a rising edge is an index mark for homing"},
-    DisturbanceRow{Disturbance::connection_loss, "connection_loss", "test_connection_loss",
-                   ErrorCode::life_guard_or_heartbeat,
-                   "a rising edge is the loss of the master: immediately in Operation enabled and "
-                   "Quick stop active if 6007h is 1; 0, 2 and 3 select another reaction"},
+    DisturbanceRow{
+        Disturbance::connection_loss, "connection_loss", "test_connection_loss",
+        ErrorCode::life_guard_or_heartbeat,
+        "a rising edge simulates the loss of the master: immediately in Operation enabled and "
+        "Quick stop active if 6007h is 1; 0, 2 and 3 select another reaction"},
     DisturbanceRow{Disturbance::power_drop, "power_drop", "test_power_drop", ErrorCode::none,
                    "a rising edge changes Operation enabled to Switched on; the axis coasts until "
                    "a controlword enables it again"},
     DisturbanceRow{Disturbance::frozen_feedback, "frozen_feedback", "test_frozen_feedback",
                    ErrorCode::none,
-                   "reported positions are frozen and velocities are 0; the axis itself continues "
-                   "with the true feedback"},
+                   "displayed positions freeze, velocities read 0; the control loop still has the "
+                   "true feedback"},
 };
 
 /// @return such as "fault 2310h, continuous over-current: immediately, in every state".
