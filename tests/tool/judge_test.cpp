@@ -77,7 +77,8 @@ TEST_F(JudgeCommandTest, TellsEachFindingOnceWorstFirstWithTheTableAroundIt) {
   ASSERT_NE(third, std::string::npos);
   EXPECT_LT(first, second);
   EXPECT_LT(second, third);
-  EXPECT_THAT(done.output, HasSubstr("6040h = 0x001F has bit 4 up as the word before"));
+  EXPECT_THAT(done.output,
+              HasSubstr("6040h = 0x001F has bit 4 set, like the previous controlword"));
   EXPECT_THAT(done.output, HasSubstr("0x1237 Operation enabled, set-point acknowledge"));
   EXPECT_THAT(done.output, HasSubstr("  > "));
   EXPECT_THAT(done.output, HasSubstr("not judged:\n"));
@@ -141,9 +142,9 @@ TEST_F(JudgeCommandTest, RefusesExceptionsWithoutAReasonOrARule) {
   EXPECT_THAT(refusal("- rule: handshake-2\n"),
               AllOf(HasSubstr("exceptions.yaml:1"), HasSubstr("has no reason")));
   EXPECT_THAT(refusal("- rule: handshake-2\n  reason: ' '\n"), HasSubstr("has no reason"));
-  EXPECT_THAT(refusal("- reason: known\n"), HasSubstr("has no rule"));
+  EXPECT_THAT(refusal("- reason: known\n"), HasSubstr("the key rule is missing"));
   EXPECT_THAT(refusal("- rule: handshake-99\n  reason: known\n"),
-              AllOf(HasSubstr("is no rule"), HasSubstr("did you mean 'handshake-")));
+              AllOf(HasSubstr("is not a rule"), HasSubstr("did you mean 'handshake-")));
   EXPECT_THAT(refusal("- rule: handshake-2\n  reason: known\n  until: June\n"), HasSubstr("until"));
   EXPECT_THAT(refusal("rule: handshake-2\n"), HasSubstr("exceptions.yaml"));
 }
@@ -161,7 +162,7 @@ TEST_F(JudgeCommandTest, TellsExceptionsWithTheirReasonAndThoseThatCoverNothing)
   const Finished done = judge({kLog, "--exceptions", exceptions});
   EXPECT_THAT(done.output,
               HasSubstr("excepted:\n  handshake-2 on node 5, 2 times: shown to visitors\n"));
-  EXPECT_THAT(done.output, HasSubstr("exceptions that cover nothing:\n  " + exceptions +
+  EXPECT_THAT(done.output, HasSubstr("unused exceptions:\n  " + exceptions +
                                      ":4: pdo-1 on node 6\n  " + exceptions + ":7: sync-1\n"));
   EXPECT_THAT(done.output, HasSubstr("error pdo-1 on node 5"));
   EXPECT_THAT(done.output, Not(HasSubstr("error handshake-2")));

@@ -77,7 +77,7 @@ TEST_F(JudgedScenarios, TellAnExceptionThatCoversNothingAndRefuseOneThatIsNone) 
   EXPECT_THAT(done.errors,
               HasSubstr("unused.scn:1: write '# judge: off RULE [on AXIS] because REASON'"));
   add("unused", "# judge: off handshake-99 because there is no such rule\n" + std::string(kRight));
-  EXPECT_THAT(judge().errors, HasSubstr("'handshake-99' is no rule"));
+  EXPECT_THAT(judge().errors, HasSubstr("'handshake-99' is not a rule"));
 }
 
 TEST_F(JudgedScenarios, FailFromTheSeverityOnThatIsAskedFor) {

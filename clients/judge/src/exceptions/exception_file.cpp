@@ -26,7 +26,7 @@ bool has_no_text(const std::string& text) {
 std::string no_rule_text(const std::string& name) {
   std::vector<std::string> names;
   for (const RuleRow& row : rules()) names.emplace_back(row.name);
-  return "is no rule" + suggestion(name, names) + "; vdrive judge --rules lists them";
+  return "is not a rule" + suggestion(name, names) + "; vdrive judge --rules lists them";
 }
 
 Rule rule_of(const YamlValue& value) {
@@ -48,7 +48,7 @@ Exception exception_of(const YamlValue& entry, const std::string& file_name) {
       exception.reason = value.text();
     }
   });
-  if (!has_rule) entry.refuse("has no rule");
+  if (!has_rule) entry.refuse("the key rule is missing");
   if (has_no_text(exception.reason)) entry.refuse(kNoReason);
   return exception;
 }

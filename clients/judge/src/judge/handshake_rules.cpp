@@ -81,7 +81,7 @@ void HandshakeRules::end_pulse(const Context& context) {
   if (context.track.status_time > pulse.time || length >= kLoopOfADrive) return;
   context.report(Rule::handshake_short_pulse, [&] {
     return "bit " + std::string(pulse.bit == Controlword::kFaultReset ? "7" : "4") +
-           " was up for " + duration_text(length) + " only";
+           " was set for only " + duration_text(length);
   });
 }
 
@@ -118,7 +118,8 @@ void HandshakeRules::rise(std::uint16_t word, const Context& context) {
   } else if (is_relative_left_ && had_absolute_) {
     if (++relative_kept_ >= kKeptRelative) {
       context.report(Rule::handshake_relative_stays, [&] {
-        return "bit 6 has been up since an earlier set-point, in the words with bit 4 = 0, too";
+        return "bit 6 has stayed set since an earlier set-point, also in controlwords with bit 4 = "
+               "0";
       });
     }
   }
@@ -151,7 +152,7 @@ void HandshakeRules::stay(const Write& write, const Context& context) {
   context.report(Rule::handshake_no_edge, [&] {
     return "607Ah is " + std::to_string(context.track.target.value_or(0)) +
            ", and 6040h = " + hex_text(static_cast<std::uint16_t>(write.value)) +
-           " has bit 4 up as the word before";
+           " has bit 4 set, like the previous controlword";
   });
 }
 

@@ -71,7 +71,7 @@ void judge_start(const Context& context) {
   if ((track.facts & Fact::kReads) == 0) return;
   context.report(Rule::mode_not_looked_at, [&] {
     return "bit 4 rose " + duration_text(context.now() - track.mode_wanted_time) +
-           " after 6060h = " + std::to_string(*track.mode_wanted) + ", without a look at 6061h";
+           " after 6060h = " + std::to_string(*track.mode_wanted) + ", without reading 6061h";
   });
 }
 
@@ -171,14 +171,14 @@ void ModeRules::leave_homing(const Context& context) {
   homing_start_.reset();
   if (!is_homing_shown_ && was_attained_at_start_) {
     return context.report(Rule::homing_judged_early, [&] {
-      return "homing was left " + duration_text(since) +
-             " after its start, before the drive had shown any statusword: bits 10 and 12 were "
-             "those of the homing before";
+      return "homing was aborted " + duration_text(since) +
+             " after its start, before the drive had sent a statusword: bits 10 and 12 were still "
+             "those of the previous homing";
     });
   }
   const bool is_pulse = since < kPulse;
   context.report(is_pulse ? Rule::homing_pulsed : Rule::homing_given_up, [&] {
-    return "homing was left " + duration_text(since) +
+    return "homing was aborted " + duration_text(since) +
            " after its start while bits 10, 12 and 13 were 0";
   });
 }
@@ -225,7 +225,7 @@ void ModeRules::take_target(const Write& write, const Context& context) {
   foreign_writes_ = 0;
   context.report(Rule::mode_foreign_target, [&] {
     return object_name(write.object) + " changed " + std::to_string(kForeignWrites) + " times in " +
-           mode_text(*mode) + ", which does not follow it";
+           mode_text(*mode) + ", which ignores it";
   });
 }
 

@@ -41,7 +41,7 @@ void MotionRules::take(const Write& write, const Context& context) {
   if (write.fate == Fate::late) {
     ++late_;
     context.report(Rule::motion_set_point_late, [&] {
-      return counted(late_, "write", "writes") + " came too late, the last one was " +
+      return counted(late_, "late write", "late writes") + ", the last one was " +
              object_name(write.object) + " = " + std::to_string(write.value);
     });
   }
@@ -139,7 +139,7 @@ void MotionRules::judge_first(bool is_over, const Context& context) {
            (first.steps == 0
                 ? std::string()
                 : "; its next steps are " + std::to_string(first.longest_step) + " at most") +
-           (is_origin ? "; homing had moved the origin before" : "");
+           (is_origin ? "; homing had changed the origin before that" : "");
   });
 }
 

@@ -64,7 +64,7 @@ void NetworkRules::take(const Write& write, const Context& context) {
   if (is_back) {
     context.report(Rule::writers_two_sessions, [&] {
       return "session " + session_text(write.writer) + " and session " + session_text(writer_) +
-             " wrote by turns within " + duration_text(context.now() - writer_since_) +
+             " wrote alternately within " + duration_text(context.now() - writer_since_) +
              ", the last was " + object_name(write.object);
     });
   }
@@ -179,7 +179,7 @@ void NetworkRules::judge_period(const Context& context) {
   if (syncs_.count() >= kSyncsToJudge && syncs_.count() % kSyncsToJudge == 0 &&
       syncs_.irregular() * kIrregularOf > syncs_.count()) {
     context.report(Rule::sync_jitter, [&] {
-      return "distances of SYNC: " + syncs_.text();
+      return "SYNC intervals: " + syncs_.text();
     });
   }
   const auto units = context.track.values.find(objects::kCyclePeriod);
@@ -198,9 +198,9 @@ void NetworkRules::judge_period(const Context& context) {
     constexpr double kNanoseconds = 1.0e9;
     constexpr double kLongest = 1.0e9;  // [s]
     const bool is_duration = wanted >= 0 && wanted <= kLongest;
-    return "a target comes each " + duration_text(*period) + " by SYNC, and 60C2h says " +
+    return "a target arrives every " + duration_text(*period) + " with SYNC, but 60C2h is " +
            (is_duration ? duration_text(Time(static_cast<std::int64_t>(wanted * kNanoseconds)))
-                        : "what is no time");
+                        : "not a valid time");
   });
 }
 

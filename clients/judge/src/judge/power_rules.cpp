@@ -134,7 +134,8 @@ void PowerRules::reset(const Context& context) {
   has_reset_ = true;
   if (!is_cause_known_ && context.track.error_code == 0) {
     context.report(Rule::state_cause_not_read, [] {
-      return std::string("bit 7 rose in Fault, and the master had neither 603Fh nor an emergency");
+      return std::string(
+          "fault reset (bit 7) before the master had read 603Fh or received an emergency");
     });
   }
   while (!resets_.empty() && context.now() - resets_.front() > kStormTime) resets_.pop_front();
@@ -172,8 +173,8 @@ void PowerRules::remove_power(PowerCommand command, const Context& context) {
   if (!is_powered || !coasts || !track.is_moving(context.now())) return;
   const bool is_cut = is_stop(track);
   context.report(is_cut ? Rule::supervision_stop_cut_short : Rule::state_power_off_in_motion, [&] {
-    return "the power went at " + std::to_string(track.position.value_or(0)) + " while the axis " +
-           (is_cut ? "was still coming to its stop" : "moved");
+    return "power was removed at position " + std::to_string(track.position.value_or(0)) +
+           " while the axis " + (is_cut ? "was still braking" : "was moving");
   });
 }
 
@@ -185,8 +186,8 @@ void PowerRules::give_up(PowerCommand command, const Context& context) {
     const Time waited = context.now() - *power_on_;
     if (waited < kPowerOnTime) {
       context.report(Rule::state_gave_up, [&] {
-        return "after " + duration_text(waited) + " the power was withdrawn; 6041h showed " +
-               std::string(to_string(context.track.state)) + " all the time";
+        return "enabling was abandoned after " + duration_text(waited) + "; 6041h was " +
+               std::string(to_string(context.track.state)) + " throughout";
       });
     }
   }

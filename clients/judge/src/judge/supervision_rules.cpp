@@ -46,8 +46,7 @@ void SupervisionRules::take(const Write& write, const Context& context) {
   if (write.object == objects::kStore) {
     if (stored_ && context.now() - *stored_ < kStoreDistance) {
       context.report(Rule::supervision_store_often, [&] {
-        return "1010h:1 was written " + duration_text(context.now() - *stored_) +
-               " after the time before";
+        return "1010h:1 was written again after " + duration_text(context.now() - *stored_);
       });
     }
     stored_ = context.now();
@@ -79,14 +78,14 @@ void SupervisionRules::take_motion(const Context& context) {
     const Time since = context.now() - track.state_since;
     if (since < kFaultReaction || ++blind_ < kBlindCommands) return;
     context.report(Rule::supervision_goes_on_after_fault, [&] {
-      return "set-points still come " + duration_text(since) + " after 6041h showed " +
+      return "set-points continue " + duration_text(since) + " after 6041h became " +
              std::string(to_string(track.state));
     });
   } else if (fell_) {
     const Time since = context.now() - *fell_;
     if (since < kFallReaction || ++blind_ < kBlindCommands) return;
     context.report(Rule::supervision_fall_unnoticed, [&] {
-      return "set-points still come " + duration_text(since) + " after the drive fell to " +
+      return "set-points continue " + duration_text(since) + " after the drive changed to " +
              std::string(to_string(track.state)) + " without a fault and without a command";
     });
   }
@@ -140,7 +139,7 @@ void SupervisionRules::take(const KeepAlive& sign, const Context& context) {
       longest_silence_ = silence;
       context.report(Rule::supervision_keep_alive, [&] {
         return "the master was silent for " + duration_text(silence) +
-               ", and the drive waits no longer than " + duration_text(sign.limit);
+               "; the limit of the drive is " + duration_text(sign.limit);
       });
     }
   }

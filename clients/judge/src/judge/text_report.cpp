@@ -132,7 +132,7 @@ std::string text_report(const Verdict& verdict, const ReportLabels& face) {
     text.append(counted(finding.count, "time", "times")).append(": ");
     text.append(excepted.reason).append("\n");
   }
-  if (!face.unused.empty()) text += "\nexceptions that cover nothing:\n";
+  if (!face.unused.empty()) text += "\nunused exceptions:\n";
   for (const Exception& exception : face.unused) {
     text.append("  ").append(exception.place).append(": ").append(row_of(exception.rule).name);
     if (!exception.axis.empty()) text.append(" on ").append(exception.axis);
