@@ -194,8 +194,8 @@ def test_the_arguments_of_the_bus_are_those_of_the_program(fake, tmp_path):
     ({"sync_steps": float("nan")}, "sync_steps = nan"), ({"sync_steps": 1.5e-6}, "sync_steps = 1.5e-06"),
     ({"sync_steps": 0.01, "clock": "realtime"}, "sync_steps= is of a bus in lock-step"),
     ({"config": "nowhere.yaml"}, "config = 'nowhere.yaml': No such file or directory"),
-    ({"config": __file__, "axes": 2}, "axes= and config= both say which axes there are"),
-    ({"config": __file__, "preset": "winder"}, "preset= and config= both say which axes there are"),
+    ({"config": __file__, "axes": 2}, "axes= and config= both define the axes"),
+    ({"config": __file__, "preset": "winder"}, "preset= and config= both define the axes"),
     ({"preset": "winda"}, "preset = 'winda': must be one of ball-screw, "),
     ({"program": ""}, "program = '': must be a path"),
 ])

@@ -64,7 +64,7 @@ def test_benches_beside_each_other_are_met_by_one_session_and_step_together():
             assert [bench.number for bench in session.find_benches()] == [1, 2]
             clock = vdrive.StepClock(session, [1, 2])
             assert list(clock.step(10)) == [10, 10]
-        with pytest.raises(vdrive.ConfigurationError, match="number = 2: bench 2 is on this bus already"):
+        with pytest.raises(vdrive.ConfigurationError, match="number = 2: bench 2 is already on this bus"):
             vdrive.Bench(number=2, beside=second)
 
 

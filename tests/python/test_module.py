@@ -177,7 +177,7 @@ def test_a_recording_has_drive_times_where_its_format_says_how_long_a_tick_is(re
     assert whole.period == 0.001
     assert numpy.allclose(whole.time, (whole.ticks - whole.ticks[0]) * 0.001) and whole.time[0] == 0.0
     text = vdrive.load(tmp_path / "run.csv")
-    with pytest.raises(ValueError, match=r"how long a tick is: load\(\.\.\., period=0.001\)"):
+    with pytest.raises(ValueError, match=r"the period of a tick: load\(\.\.\., period=0.001\)"):
         text.time
     assert numpy.array_equal(vdrive.load(tmp_path / "run.csv", period=0.001).time, whole.time)
 
@@ -293,7 +293,7 @@ def test_records_without_short_names_as_of_an_earlier_version_are_saved(vdrive_s
 @pytest.mark.parametrize("name, change, reason", [
     ("run.txt", lambda r: r, "ends in .csv, .jsonl or .mcap"),
     ("run", lambda r: r, "ends in .csv, .jsonl or .mcap"),
-    ("run.mcap", lambda r: broken(r, period=None), "does not say how long a tick is"),
+    ("run.mcap", lambda r: broken(r, period=None), "needs the period of a tick"),
     ("run.csv", lambda r: broken(r, frames=r.frames[:0]), "the recording has no sample"),
     ("run.csv", lambda r: broken(r, frames=r.frames[::-1]), "tick .* follows the tick"),
     ("run.csv", lambda r: broken(r, frames=r.frames[:, :1]), "a column for each of its 2 axes"),
@@ -301,8 +301,8 @@ def test_records_without_short_names_as_of_an_earlier_version_are_saved(vdrive_s
     ("run.csv", lambda r: retyped(r, names=lambda names: names[::-1]), "the dtype of vdrive.record_type"),
     ("run.csv", lambda r: retyped(r, formats=lambda old: [">u8", *old[1:]]), "the dtype of vdrive.record_type"),
     ("run.csv", lambda r: retyped(r, offsets=lambda old: [*old[1::-1], *old[2:]]), "the dtype of vdrive.record_type"),
-    ("run.csv", lambda r: broken(r, axes=["1.1", "2.1"]), "1.1 and 2.1 are not of one bench"),
-    ("run.csv", lambda r: broken(r, axes=["1.1", "lift"]), "axis 'lift' is no address such as 1.2"),
+    ("run.csv", lambda r: broken(r, axes=["1.1", "2.1"]), "1.1 and 2.1 are on different benches"),
+    ("run.csv", lambda r: broken(r, axes=["1.1", "lift"]), "axis 'lift' is not an address such as 1.2"),
     ("run.csv", lambda r: broken(r, names=["x"]), "2 axes and 1 names"),
 ])
 def test_what_a_file_cannot_have_is_refused_and_an_older_file_stays(vdrive_session, tmp_path, name, change, reason):

@@ -150,7 +150,7 @@ def test_a_test_that_asks_for_the_judge_fails_by_what_its_master_did_wrong(pytes
     result = pytester.runpytest_subprocess("-q", "-p", "no:cacheprovider", f"--vdrive-over={over}",
                                            timeout=200)
     result.assert_outcomes(passed=4, failed=2, warnings=1)
-    result.stdout.fnmatch_lines(["*error handshake-2 on axis 1.1: *", "*'handshake-99' is no rule of the judge*",
+    result.stdout.fnmatch_lines(["*error handshake-2 on axis 1.1: *", "*'handshake-99' is not a rule of the judge*",
                                  "*off has rules that were not broken: handshake-2*"])
     result.stdout.no_fnmatch_line("*test_right*")
 

@@ -124,7 +124,7 @@ def test_a_group_names_the_session_that_takes_one_of_its_axes(vdrive_bench, vdri
                 taken.append(tick)
                 axis.take_over()
 
-        with pytest.raises(vdrive.Refused, match="another program has taken an axis") as refusal:
+        with pytest.raises(vdrive.Refused, match="another session has taken an axis") as refusal:
             group.move_together([200000, 100000], progress=take)
         owner = refusal.value.owner
         assert (owner.axis, owner.session, owner.program) == ("1.2", other.id, "another")

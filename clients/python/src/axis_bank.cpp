@@ -348,7 +348,7 @@ void set_number(AxisModel& model, const std::string& key, const py::handle& valu
   std::vector<std::string> names{"coupling", "feedback"};
   for (const ModelParameter& parameter : kModelParameters) names.emplace_back(parameter.name);
   raise_configuration_error("model: unknown key " + in_quotes(key) + suggestion(key, names) +
-                            ", known are " + joined(names));
+                            "; known keys: " + joined(names));
 }
 
 /// @param keys with their numbers as float

@@ -50,7 +50,7 @@ py::tuple judge_journal(const std::string& path,
   std::vector<judge::Exception> exceptions;
   for (const auto& [name, reason] : off) {
     const auto rule = judge::find_rule(name);
-    if (!rule) throw py::value_error(in_quotes(name) + " is no rule of the judge");
+    if (!rule) throw py::value_error(in_quotes(name) + " is not a rule of the judge");
     exceptions.push_back({.rule = *rule, .axis = {}, .reason = reason, .place = {}});
   }
   Judged result = judged(path);

@@ -65,7 +65,7 @@ py::tuple bench_of(const std::string& path, std::uint32_t number, const py::obje
   }
   for (const Observation& sample : samples) {
     if (!have_same_axes(sample, samples.front())) {
-      throw py::value_error(path + ": its axes have different ticks");
+      throw py::value_error(path + ": its axes were not recorded at the same ticks");
     }
   }
   return py::make_tuple(number, period, axes, names,
@@ -111,11 +111,12 @@ Saved saved_of(const std::vector<std::string>& axes, const std::vector<std::stri
   }
   for (std::size_t place = 0; place < axes.size(); ++place) {
     const auto id = client::parse_axis_id(axes[place]);
-    if (!id) throw py::value_error("axis " + in_quotes(axes[place]) + " is no address such as 1.2");
+    if (!id)
+      throw py::value_error("axis " + in_quotes(axes[place]) + " is not an address such as 1.2");
     saved.sample.axes.emplace_back().id = *id;
     if (id->bench != saved.sample.axes.front().id.bench) {
       throw py::value_error("the axes " + axes.front() + " and " + axes[place] +
-                            " are not of one bench");
+                            " are on different benches");
     }
     saved.bench.axes.push_back({.id = *id, .name = names[place]});
     saved.bench.number = id->bench;
@@ -176,14 +177,14 @@ void write_recording(const std::string& path, const std::vector<std::string>& ax
                      const std::vector<std::string>& names, std::optional<std::int64_t> period,
                      const py::array& frames) {
   const auto format = recording::format_of(path);
-  if (!format) throw py::value_error("a recording ends in .csv, .jsonl or .mcap");
+  if (!format) throw py::value_error("the file name must end in .csv, .jsonl or .mcap");
   Saved saved = saved_of(axes, names, period);
   const FrameView view(frames, axes.size());
   if (axes.empty() || view.size() == 0) throw py::value_error("the recording has no sample");
   if (*format == recording::Format::mcap && !saved.has_period) {
     throw py::value_error(
-        "the recording does not say how long a tick is, which .mcap needs: set "
-        "its period, in s");
+        ".mcap needs the period of a tick, which the recording does not contain: set its period, "
+        "in s");
   }
   const std::string refusal = problem_of([&] {
     check_samples(view, saved);

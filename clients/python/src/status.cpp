@@ -281,7 +281,8 @@ void Frames::expect(std::size_t samples) {
 }
 
 void Frames::add(const Observation& sample) {
-  if (sample.axes.size() != axes_) throw std::logic_error("a sample has other axes");
+  if (sample.axes.size() != axes_)
+    throw std::logic_error("the sample has a different number of axes");
   const std::size_t begin = records_.size();
   records_.resize(begin + row_);
   std::byte* place = std::span(records_).subspan(begin).data();

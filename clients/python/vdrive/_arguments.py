@@ -151,11 +151,11 @@ def text(name: str, value: Any) -> str:
 
 def texts(name: str, value: Any) -> list[str]:
     if isinstance(value, (str, bytes, dict)) or not hasattr(value, "__getitem__"):
-        raise TypeError(f"{name} = {shown(value)}: must be a list of texts")
+        raise TypeError(f"{name} = {shown(value)}: must be a list of strings")
     try:
         return [text(name, each) for each in value]
     except TypeError:
-        raise TypeError(f"{name} = {shown(value)}: must be a list of texts") from None
+        raise TypeError(f"{name} = {shown(value)}: must be a list of strings") from None
 
 
 def word(name: str, value: Any, first: str, *others: str) -> str:

@@ -254,7 +254,7 @@ class Axis(Handle):
         sizes = self.unit._sizes
         unit = text("unit", unit)
         if unit not in sizes:
-            raise ValueError(f"axis {self.id} has no unit {unit!r}: {', '.join(sizes)}")
+            raise ValueError(f"axis {self.id} has no unit {unit!r}; it has {', '.join(sizes)}")
         return unit, sizes[unit]
 
     def home(self, *, method: NumberSpec | None = None, offset: NumberSpec | None = None,
@@ -283,10 +283,10 @@ class Axis(Handle):
 
     def apply_torque(self, torque: NumberSpec, *, slope: NumberSpec | None = None,
                      timeout: float = 60.0, until: UntilSpec = "done") -> None:
-        """Profile torque mode: wait until `torque` (parts of 1,000 of the rated) is reached. It stays."""
+        """Profile torque mode: wait until `torque` (per mille of the rated torque) is reached. It stays."""
         self._handle.apply_torque(
-            whole("torque", torque, -2**15, 2**15 - 1, "parts of 1,000"),
-            optional("slope", slope, 0, 2**32 - 1, "parts of 1,000 per s"),
+            whole("torque", torque, -2**15, 2**15 - 1, "per mille"),
+            optional("slope", slope, 0, 2**32 - 1, "per mille per s"),
             *call_options(timeout, until))
 
     def jog(self, velocity: NumberSpec, held: Callable[[Status], bool], *,

@@ -153,8 +153,8 @@ class Bench:
         if beside is None:
             return
         if instance("beside", beside, Bench)._is_local != self._is_local:
-            raise ConfigurationError(f"beside= is a bench {beside._place()}, and this one is "
-                                     f"{self._place()}: they cannot meet")
+            raise ConfigurationError(f"beside= names a bench {beside._place()}, but this one is "
+                                     f"{self._place()}: they cannot communicate")
 
     def _place(self) -> str:
         return "in this process" if self._is_local else "over DDS"
@@ -170,8 +170,7 @@ class Bench:
                  beside: Bench | None, arguments: Iterable[object], service: Path | None,
                  domain: int | None) -> Any:
         if beside is not None and domain is not None:
-            raise ConfigurationError("beside= and domain= both say which benches to meet: leave one "
-                                     "of them out")
+            raise ConfigurationError("beside= and domain= both select a domain: use only one")
         options: list[str] = []
         for name, value in (("axes", axes), ("bench", number), *of_both.items()):
             options += [] if value in (None, "") else [f"--{name}", str(value)]

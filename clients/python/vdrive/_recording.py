@@ -45,7 +45,7 @@ class Recording:
     def time(self) -> NDArray[float64]:
         """The drive time of each sample since the first one [s]."""
         if self.period is None:
-            raise ValueError("the file does not say how long a tick is: load(..., period=0.001)")
+            raise ValueError("the file does not contain the period of a tick: load(..., period=0.001)")
         ticks = self.ticks
         since: NDArray[float64] = (ticks - ticks[:1]) * self.period if len(ticks) else ticks * 0.0
         return since

@@ -140,8 +140,7 @@ class Bus:
         config = _configuration(config)
         for name, given in (("axes", axes is not None), ("preset", bool(preset))):
             if given and config:
-                raise ConfigurationError(f"{name}= and config= both say which axes there are: leave "
-                                         "one of them out")
+                raise ConfigurationError(f"{name}= and config= both define the axes: use only one")
         if axes is None and not config:
             axes = _USUAL_AXES
         if axes is not None and axes + offset > _HIGHEST_NODE:

@@ -275,7 +275,7 @@ class _Judge:
         unknown = sorted(set(options) - {"off", "fail_on"})
         if unknown:
             raise vdrive.ConfigurationError(
-                f"pytest.mark.vdrive_judge: unknown {', '.join(unknown)}; known are off, fail_on")
+                f"pytest.mark.vdrive_judge: unknown {', '.join(unknown)}; known keys: off, fail_on")
         self.journal = journal
         self.bench: vdrive.Bench | None = None
         self._off = options.get("off", {})
