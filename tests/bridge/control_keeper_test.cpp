@@ -80,7 +80,8 @@ TEST(ControlKeeper, SendsNoRequestWhileAnotherSessionControlsAnAxis) {
       << "once";
   kept.own(0);
   EXPECT_TRUE(kept.keep(2s));
-  EXPECT_THAT(kept.reports.back(), HasSubstr("takes control: its axes are free of program 11"));
+  EXPECT_THAT(kept.reports.back(),
+              HasSubstr("taking control: program 11 no longer controls its axes"));
 }
 
 TEST(ControlKeeper, SaysWhichAxesAreInAFaultWhenItsWaitEnds) {
@@ -111,7 +112,7 @@ TEST(ControlKeeper, LeavesControlThatAnotherSessionTookUntilItIsWantedAnew) {
   kept.own(kOther);
   EXPECT_FALSE(kept.keep(1s));
   EXPECT_THAT(kept.reports,
-              ElementsAre(HasSubstr("control of its axes is lost to program 11: want")));
+              ElementsAre(HasSubstr("program 11 has taken control of its axes: want")));
   kept.own(0);
   EXPECT_FALSE(kept.keep(2s));
   EXPECT_EQ(kept.requests, 1);

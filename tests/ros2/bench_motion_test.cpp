@@ -242,7 +242,7 @@ TEST(BenchMotion, ReportsADriveThatHoldsItsStreamAndWritesNoWordToIt) {
   fake.command(0, CommandInterface::position, 0.1);
   for (int tick = 0; tick < 5'000 && fake.written.lines.empty(); ++tick) fake.run(1);
   EXPECT_THAT(fake.written.lines,
-              ElementsAre("joint x: the drive does not take its last set-point"));
+              ElementsAre("joint x: the drive does not accept its last set-point"));
   EXPECT_EQ(fake.demand(0), 0);
   const auto frames = with_axes(fake.drive().take_sent());
   EXPECT_FALSE(frames.empty());
@@ -255,8 +255,9 @@ TEST(BenchMotion, BrakesWhatRunsFreelyWhenNobodyCommandsAnyMore) {
   Commanded fake;
   fake.command(0, CommandInterface::velocity, 1.0);
   fake.command(1, CommandInterface::position, 0.5);
-  fake.motion().stop_free_joints("no node writes joint commands");
-  EXPECT_THAT(fake.written.lines, ElementsAre("joint x: no node writes joint commands: it brakes"));
+  fake.motion().stop_free_joints("the last publisher of joint commands is gone");
+  EXPECT_THAT(fake.written.lines,
+              ElementsAre("joint x: the last publisher of joint commands is gone: it brakes"));
   EXPECT_THAT(fake.motion().duties(), ElementsAre(JointTask::velocity, JointTask::track));
 }
 
@@ -328,7 +329,7 @@ TEST(MotionCheck, NamesWhatKeepsTheBridgeFromAnAxis) {
   EXPECT_EQ(obstacle(),
             "is controlled by vdrive (process 4711 on bench-host), session 0x000000000000000b");
   bench.axis(0).owner_session = FakeBench::kSession;
-  EXPECT_EQ(obstacle(false), "has limits that are not known yet");
+  EXPECT_EQ(obstacle(false), "has limits that have not been read yet");
   EXPECT_THAT(obstacle(), HasSubstr("Switch on disabled"));
   bench.enable();
   EXPECT_THAT(obstacle(), IsEmpty());

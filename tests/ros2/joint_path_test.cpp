@@ -124,7 +124,7 @@ TEST(JointPath, IsRefusedWhenItCannotBeCalculated) {
   const JointPath quintic =
       path({0.0}, {{.time = 1.0, .position = 0.0, .velocity = 0.0, .acceleration = 1e308},
                    {.time = 2.0, .position = 0.0, .velocity = 0.0, .acceleration = -1e308}});
-  EXPECT_THAT(quintic.check(none, "rad").value_or(""), HasSubstr("values without bounds"));
+  EXPECT_THAT(quintic.check(none, "rad").value_or(""), HasSubstr("numerically unbounded"));
   const JointPath brief = path({0.0}, {{.time = 1e-300, .position = 1.0, .velocity = 0.0}});
   EXPECT_TRUE(brief.check(none, "rad"));
 }

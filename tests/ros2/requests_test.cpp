@@ -24,7 +24,7 @@ constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 /// Joints a, b and c are at places 0, 1 and 2 of bench 1.
 std::optional<JointPlace> find_plain(const std::string& name, std::string& problem) {
   if (name.size() != 1 || name < "a" || name > "c") {
-    problem = "is unknown, known are a, b, c";
+    problem = "is unknown; known: a, b, c";
     return std::nullopt;
   }
   return JointPlace{.bench = 1, .place = static_cast<std::size_t>(name[0] - 'a')};
@@ -71,7 +71,7 @@ TEST(JointCommands, SkipValuesThatAreNotANumber) {
 TEST(JointCommands, ReportUnknownJointsAndAcceptTheOthers) {
   const auto read = read_commands(state({"x", "b"}, {1.0, 2.0}), find_plain);
   EXPECT_EQ(text(read), "1position=2 ");
-  EXPECT_THAT(read.problems, ElementsAre("joint 'x' is unknown, known are a, b, c: ignored"));
+  EXPECT_THAT(read.problems, ElementsAre("joint 'x' is unknown; known: a, b, c: ignored"));
 }
 
 TEST(JointCommands, RefuseShortArraysOfJointsWithAnUnknownInterface) {
@@ -141,10 +141,10 @@ TEST(Trajectory, HasItsJointsPointsAndTimes) {
 TEST(Trajectory, IsRefusedWithTheReason) {
   EXPECT_THAT(problem_of(trajectory({}, {1.0})), HasSubstr("no joint"));
   EXPECT_THAT(problem_of(trajectory({"a"}, {})), HasSubstr("no points"));
-  EXPECT_THAT(problem_of(trajectory({"x"}, {1.0})), HasSubstr("'x' is unknown, known are a, b, c"));
+  EXPECT_THAT(problem_of(trajectory({"x"}, {1.0})), HasSubstr("'x' is unknown; known: a, b, c"));
   EXPECT_THAT(problem_of(trajectory({"a", "a"}, {1.0})), HasSubstr("named twice"));
   EXPECT_THAT(problem_of(trajectory({"c"}, {1.0}), find_declared), HasSubstr("by velocity"));
-  EXPECT_THAT(problem_of(trajectory({"a"}, {1.0, 1.0})), HasSubstr("time must rise"));
+  EXPECT_THAT(problem_of(trajectory({"a"}, {1.0, 1.0})), HasSubstr("times must increase"));
   EXPECT_THAT(problem_of(trajectory({"a"}, {2.0, 1.0})), HasSubstr("point 2 is at 1 s"));
   auto message = trajectory({"a"}, {1.0});
   message.points[0].positions[0] = kNan;
@@ -153,7 +153,7 @@ TEST(Trajectory, IsRefusedWithTheReason) {
   message.points[0].velocities = {1.0, 2.0};
   EXPECT_THAT(problem_of(message), HasSubstr("2 velocities for 1 joints"));
   message.points[0].velocities = {1.0};
-  EXPECT_THAT(problem_of(message), HasSubstr("must be at rest"));
+  EXPECT_THAT(problem_of(message), HasSubstr("the last point has a velocity, which must be 0"));
   message = trajectory({"a"}, {1.0});
   message.points[0].effort = {1.0};
   EXPECT_THAT(problem_of(message), HasSubstr("effort"));
@@ -204,12 +204,12 @@ TEST(Joints, OfTwoBenchesNeedDifferentNames) {
 
 TEST(Joints, ThatAreUnknownGetTheNearestNameAndTheFirstKnownOnes) {
   JointDirectory sut;
-  EXPECT_EQ(sut.unknown("lifr"), "is unknown, no bench is served yet");
+  EXPECT_EQ(sut.unknown("lifr"), "is unknown: no bench is served yet");
   ASSERT_FALSE(sut.add(1, joints_of(bench(1), {})));
-  EXPECT_EQ(sut.unknown("lifr"), "is unknown (did you mean 'lift'?), known are lift, x");
-  EXPECT_EQ(sut.unknown("elbow"), "is unknown, known are lift, x");
+  EXPECT_EQ(sut.unknown("lifr"), "is unknown (did you mean 'lift'?); known: lift, x");
+  EXPECT_EQ(sut.unknown("elbow"), "is unknown; known: lift, x");
   sut.remove(1);
-  EXPECT_EQ(sut.unknown("lifr"), "is unknown, no bench is served yet") << "of the joints of now";
+  EXPECT_EQ(sut.unknown("lifr"), "is unknown: no bench is served yet") << "of the joints of now";
 }
 
 // The message contains 8 of the 1,000 names, and the known name among them is found.
@@ -218,10 +218,9 @@ TEST(Joints, ThatAreUnknownGetAMessageOfBoundedLength) {
   std::vector<ServedJoint> many;
   for (int i = 1000; i < 2000; ++i) many.emplace_back().name = "joint_" + std::to_string(i);
   ASSERT_FALSE(sut.add(1, many));
-  EXPECT_EQ(
-      sut.unknown("joint_1755x"),
-      "is unknown (did you mean 'joint_1755'?), known are joint_1000, joint_1001, joint_1002, "
-      "joint_1003, joint_1004, joint_1005, joint_1006, joint_1007 and 992 more");
+  EXPECT_EQ(sut.unknown("joint_1755x"),
+            "is unknown (did you mean 'joint_1755'?); known: joint_1000, joint_1001, joint_1002, "
+            "joint_1003, joint_1004, joint_1005, joint_1006, joint_1007 and 992 more");
   for (int i = 0; i < 1000; ++i) (void)sut.unknown("wheel_" + std::to_string(i));
   EXPECT_THAT(sut.unknown("joint_1755x"), HasSubstr("did you mean 'joint_1755'"));
 }

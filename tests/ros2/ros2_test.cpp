@@ -300,8 +300,8 @@ TEST(Ros2Control, IsAwaitedWithOneLogLineAndTakenAfterItsOwnerEnded) {
   other.command({"x"}, {1.0});
   EXPECT_TRUE(other.wait_for_log("joint x: is controlled by " + name));
   first.kill();
-  ASSERT_TRUE(other.wait_for_log("bench 1: takes control: its axes are free of " + name +
-                                 "; 2 of 2 are in a fault"))
+  ASSERT_TRUE(other.wait_for_log("bench 1: taking control: " + name +
+                                 " no longer controls its axes; 2 of 2 are in a fault"))
       << other.log();
   other.enable(true);
   EXPECT_TRUE(other.wait([&] {
@@ -324,7 +324,7 @@ TEST(Ros2Control, IsTakenForAllAxesOrForNone) {
   EXPECT_TRUE(stepper.step_until([&] {
     return is_enabled(session, "1.1") && is_enabled(session, "1.2");
   }));
-  EXPECT_THAT(peer.log(), HasSubstr("takes control: its axes are free of ros2_test (process "));
+  EXPECT_THAT(peer.log(), HasSubstr("taking control: ros2_test (process "));
 }
 
 // Without steps, an axis has not stopped yet when the bridge ends. It therefore stays with the
@@ -411,7 +411,7 @@ TEST(Ros2Commands, AreIgnoredAndLoggedWhenInvalid) {
   stamped.header.stamp.sec = 6;
   stamped.position = {3.0};
   peer.command(stamped);
-  EXPECT_TRUE(peer.wait_for_log("its stamp is 1 s earlier than that of the one before"));
+  EXPECT_TRUE(peer.wait_for_log("its stamp is 1 s earlier than the previous one"));
   bench.stepper().step(100);
   EXPECT_EQ(bench.axis().status.position_demand_value, 0) << "nothing has moved";
   EXPECT_THAT(peer.log(), Not(HasSubstr("nan")));
@@ -454,7 +454,7 @@ TEST(Ros2Commands, HaveTheirOrderForEachWriterAndAnewAfterEnable) {
   other.command(stamped_command(20 * kUnit, 20));
   EXPECT_TRUE(reaches(20)) << "the stamps of another writer";
   bench.peer().command(stamped_command(30 * kUnit, 20));
-  EXPECT_TRUE(bench.peer().wait_for_log("its stamp is 10 s earlier than that of the one before"));
+  EXPECT_TRUE(bench.peer().wait_for_log("its stamp is 10 s earlier than the previous one"));
   bench.peer().enable(true);
   ASSERT_TRUE(bench.stepper().step_until([&] {
     return bench.peer().log().find("enable: true") != std::string::npos &&
@@ -569,7 +569,7 @@ TEST(Ros2Commands, RunAtAVelocityAndBrakeWhenTheWriterEnds) {
   bench.stepper().step(100);
   EXPECT_NEAR(*bench.peer().velocity("x"), 2.0, 0.1);
   bench.peer().stop_commanding();
-  ASSERT_TRUE(bench.peer().wait_for_log("no node writes joint commands"));
+  ASSERT_TRUE(bench.peer().wait_for_log("the last publisher of joint commands is gone"));
   EXPECT_TRUE(bench.stepper().step_until([&] {
     return bench.axis().status.velocity_demand_value == 0;
   }));

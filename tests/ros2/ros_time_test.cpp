@@ -23,7 +23,7 @@ TEST(StampOrder, IsKeptForEachWriterOfOneParticipant) {
   StampOrder order(60.0);
   order.note(writer(1), 7 * kSecond);
   EXPECT_THAT(order.problem(writer(1), 6 * kSecond, 5 * kSecond),
-              HasSubstr("1 s earlier than that of the one before"));
+              HasSubstr("1 s earlier than the previous one"));
   EXPECT_THAT(order.problem(writer(2), 6 * kSecond, 5 * kSecond), IsEmpty());
   EXPECT_THAT(order.problem(writer(1), 7 * kSecond, 5 * kSecond), IsEmpty());
   EXPECT_THAT(order.problem(writer(1), 0, 5 * kSecond), IsEmpty()) << "no stamp";

@@ -63,7 +63,7 @@ void BenchLink::run(const std::stop_token& stop) {
 client::Result<BenchFollower::Next> BenchLink::begin() {
   const auto info = session_.find_bench(bench_);
   if (!info) return info.outcome();
-  if (ids_of(*info) != ids_) return client::Outcome::failed("the bench has other axes");
+  if (ids_of(*info) != ids_) return client::Outcome::failed("the axes of the bench have changed");
   auto found = session_.axes(bench_);
   if (!found) return found.outcome();
   const auto axes = std::make_shared<const std::vector<client::Axis>>(std::move(*found));

@@ -82,9 +82,9 @@ void ControlKeeper::note_owner(std::span<const AxisSnapshot> axes) {
   if (!has_just_lost(axes)) return;
   // Without the lock: getting the name may take time.
   const auto owner = other_owner(axes, session_);
-  bench_.report(Severity::error, "control of its axes is lost" +
-                                     (owner ? " to " + bench_.name_of(*owner) : "") + ": " +
-                                     remedies_.loss);
+  const std::string loss = owner ? bench_.name_of(*owner) + " has taken control of its axes"
+                                 : "control of its axes was lost";
+  bench_.report(Severity::error, loss + ": " + remedies_.loss);
 }
 
 bool ControlKeeper::has_just_lost(std::span<const AxisSnapshot> axes) {
@@ -122,8 +122,9 @@ void ControlKeeper::note_refusal(const client::Outcome& refusal, Clock::time_poi
 /// Reports that control was gained after a reported wait or refusal.
 void ControlKeeper::report_taken(std::span<const AxisSnapshot> axes) {
   if (reported_.owner == 0 && reported_.refusal.empty()) return;
-  std::string text = "takes control: its axes are free";
-  if (reported_.owner != 0) text += " of " + bench_.name_of(reported_.owner);
+  std::string text = "taking control: ";
+  text += reported_.owner == 0 ? "its axes are free"
+                               : bench_.name_of(reported_.owner) + " no longer controls its axes";
   const auto faults = std::ranges::count_if(axes, [](const AxisSnapshot& axis) {
     return axis.state() == PowerState::fault || axis.state() == PowerState::fault_reaction_active;
   });

@@ -22,8 +22,7 @@ inline void listen_on(boost::asio::ip::tcp::acceptor& acceptor, const std::strin
   boost::system::error_code problem;
   const auto address = boost::asio::ip::make_address(host, problem);
   if (problem) {
-    throw std::runtime_error("cannot listen on " + in_quotes(host) +
-                             ": it is not an address of a network");
+    throw std::runtime_error("cannot listen on " + in_quotes(host) + ": it is not an IP address");
   }
   const boost::asio::ip::tcp::endpoint endpoint(address, port);
   try {

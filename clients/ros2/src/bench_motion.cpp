@@ -19,7 +19,7 @@ std::string obstacle_of(const client::AxisSnapshot& axis, std::uint64_t session,
   if (axis.owner_session != session) {
     return "is controlled by " + owner_text(axis.owner_session, names);
   }
-  if (!has_limits) return "has limits that are not known yet";
+  if (!has_limits) return "has limits that have not been read yet";
   if (axis.state() != PowerState::operation_enabled) return client::what_it_shows(axis);
   return {};
 }
@@ -32,9 +32,8 @@ std::string problem_of(const JointCommand& command, const ServedJoint& joint,
       return what + " " + joint.unit_name() + " is beyond the limits " + text_of(limits.lower) +
              " to " + text_of(limits.upper);
     }
-    return limits.ramp > 0.0 && limits.velocity > 0.0
-               ? ""
-               : "has a limit of speed or a ramp of 0, which allows no motion";
+    return limits.ramp > 0.0 && limits.velocity > 0.0 ? ""
+                                                      : "cannot move: a speed limit or ramp is 0";
   }
   const double limit =
       command.interface == CommandInterface::velocity ? limits.velocity : limits.effort;
@@ -71,7 +70,7 @@ std::string BenchMotion::obstacle(std::size_t place) const {
 std::string BenchMotion::trajectory_obstacle(std::size_t place) const {
   std::string problem = obstacle(place);
   if (problem.empty() && plans_[place].moves_by_itself(now_.joint(place))) {
-    problem = "moves: it has to rest first";
+    problem = "is moving: it must be at rest first";
   }
   return problem;
 }
@@ -155,7 +154,7 @@ BrokenTrajectories BenchMotion::update(Clock::time_point now) {
   // Another run of the service, or a snapshot: the ticks of the plans no longer match those of the
   // bench.
   if (before && now_.tick() < before->tick) {
-    add(end_all(bench_.label() + " counts ticks from a lower number"));
+    add(end_all(bench_.label() + " went back to a lower tick (restart or snapshot)"));
   }
   stream_.set_rate(now_.seen.rate);
   power_.report_faults(*now_.seen.state);
@@ -224,7 +223,7 @@ void BenchMotion::check_ends() {
     const JointCycle joint = now_.joint(i);
     const JointPlan::End end = plans_[i].check_end(joint);
     if (end == JointPlan::End::given_up) {
-      warn(i, "the drive does not take its last set-point");
+      warn(i, "the drive does not accept its last set-point");
     } else if (end == JointPlan::End::refused) {
       stream_.lengthen();
       if (!stream_.is_running()) stream_.begin(now_.tick());

@@ -180,7 +180,7 @@ void Controller::ask(Clock::time_point now) {
 void Controller::note_writers(std::size_t writers) {
   if (writers == 0 && had_writers_) {
     for (auto& [number, bench] : benches_.all()) {
-      bench.motion->stop_free_joints("no node writes joint commands");
+      bench.motion->stop_free_joints("the last publisher of joint commands is gone");
     }
   }
   had_writers_ = writers > 0;

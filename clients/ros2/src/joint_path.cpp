@@ -182,7 +182,7 @@ std::optional<std::string> JointPath::check(const JointLimits& limits,
                                             const std::string& unit) const {
   for (const Piece& piece : pieces_) {
     if (!is_calculable(piece.position, piece.end - piece.begin)) {
-      return "the way to the point at " + text_of(piece.end) + " s has values without bounds";
+      return "the path to the point at " + text_of(piece.end) + " s is numerically unbounded";
     }
     const Polynomial speed = derivative(piece.position);
     auto problem = check_position(piece, limits, unit);

@@ -96,7 +96,7 @@ std::string JointDirectory::unknown(std::string_view name) const {
 }
 
 std::string JointDirectory::describe_unknown(std::string_view name) const {
-  if (places_.empty()) return "is unknown, no bench is served yet";
+  if (places_.empty()) return "is unknown: no bench is served yet";
   // A name with an error after its first characters is sorted next to the right one.
   auto near = places_.lower_bound(name);
   for (std::size_t i = 0; i < kMostCompared / 2 && near != places_.begin(); ++i) --near;
@@ -104,7 +104,7 @@ std::string JointDirectory::describe_unknown(std::string_view name) const {
   for (; near != places_.end() && candidates.size() < kMostCompared; ++near) {
     candidates.push_back(near->first);
   }
-  std::string text = "is unknown" + suggestion(name, candidates) + ", known are";
+  std::string text = "is unknown" + suggestion(name, candidates) + "; known:";
   std::size_t named = 0;
   for (const auto& [joint, place] : places_) {
     if (named == kMostNamed) break;

@@ -119,7 +119,8 @@ std::string check_point(const ros::JointTrajectoryPoint& point, std::size_t join
     if (!all_finite(array.values))
       return "has " + std::string(array.name) + " that are not numbers";
   }
-  if (!point.effort.empty()) return "has effort, which a trajectory of positions cannot follow";
+  if (!point.effort.empty())
+    return "has effort, which is not supported: a trajectory follows positions";
   return {};
 }
 
@@ -170,7 +171,8 @@ std::optional<Trajectory> read_trajectory(const ros::JointTrajectory& message,
     const std::string wrong = check_point(point, trajectory.joints.size());
     if (!wrong.empty()) problem = what + wrong;
     if (problem.empty() && (time <= last || time < 0.0)) {
-      problem = what + "is at " + text_of(time) + " s, not after the one before: time must rise";
+      problem =
+          what + "is at " + text_of(time) + " s, not after the previous one: times must increase";
     }
     last = time;
     trajectory.points.push_back({.time = time,
@@ -184,7 +186,7 @@ std::optional<Trajectory> read_trajectory(const ros::JointTrajectory& message,
   };
   // Nothing follows the last point: the joint would stop within a tick.
   if (std::ranges::any_of(trajectory.points.back().velocities, moves)) {
-    problem = "the last point has a velocity: it must be at rest";
+    problem = "the last point has a velocity, which must be 0";
     return std::nullopt;
   }
   trajectory.start = nanoseconds_of(message.header.stamp);

@@ -34,7 +34,7 @@ std::string StampOrder::problem(const wire::WriterId& writer, std::int64_t stamp
   const auto last = last_.find(writer);
   if (last != last_.end() && stamp < last->second) {
     return "its stamp is " + text_of(seconds_between(stamp, last->second)) +
-           " s earlier than that of the one before";
+           " s earlier than the previous one";
   }
   if (!now || most_ahead_ == 0.0 || seconds_between(*now, stamp) <= most_ahead_) return {};
   return "its stamp is " + text_of(seconds_between(*now, stamp)) +

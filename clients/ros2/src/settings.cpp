@@ -48,7 +48,7 @@ bool is_topic(const std::string& name) {
 constexpr TextRule kTopic{
     .if_empty = kText.if_empty,
     .fits = is_topic,
-    .refusal = "is not the name of a topic: letters, digits and '_', parts divided by '/'"};
+    .refusal = "is not the name of a topic: letters, digits and '_', parts separated by '/'"};
 
 template <std::size_t... kPlaces>
 constexpr auto topic_rows(std::index_sequence<kPlaces...> /*topics*/) {
@@ -77,7 +77,7 @@ void read_joints(const YamlValue& map, Settings& settings) {
     }
     joints.push_back(joint);
     const bool is_twice = std::ranges::count(joints, joint.axis, &JointSetting::axis) > 1;
-    if (is_twice) value.refuse("the axis has another joint already");
+    if (is_twice) value.refuse("the axis already has a joint");
   });
 }
 
