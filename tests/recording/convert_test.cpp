@@ -97,9 +97,9 @@ TEST_F(Convert, WithAnErrorInItsInputLeavesTheOutputUnchanged) {
   const std::string csv = text_of(Format::csv, benches_, samples_);
   put("torn.csv", csv.substr(0, csv.size() - 1));
   put("there.mcap", "something of somebody");
-  EXPECT_THAT(
-      refusal_of("torn.csv", "there.mcap"),
-      AllOf(HasSubstr("torn.csv"), HasSubstr("line 76"), HasSubstr("no line break at its end")));
+  EXPECT_THAT(refusal_of("torn.csv", "there.mcap"),
+              AllOf(HasSubstr("torn.csv"), HasSubstr("line 76"),
+                    HasSubstr("the last line has no line break")));
   EXPECT_EQ(bytes_of("there.mcap"), "something of somebody");
 }
 

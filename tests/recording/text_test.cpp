@@ -52,7 +52,7 @@ TEST_P(Text, WithAnIncompleteLastLineIsRefusedWithItsNumber) {
   const auto lines = static_cast<std::size_t>(std::ranges::count(text_, '\n'));
   const std::string torn = text_.substr(0, text_.size() - 3);
   EXPECT_THAT(refusal_of(torn), AllOf(HasSubstr("line " + std::to_string(lines)),
-                                      HasSubstr("no line break at its end")));
+                                      HasSubstr("the last line has no line break")));
 }
 
 TEST_P(Text, ThatEndsBetweenTwoAxesOfATickIsRefusedWithTheAxesThatItHas) {

@@ -108,7 +108,7 @@ std::optional<McapRecord> McapReader::next_of_file() {
   std::string head;
   if (!read(head, kMcapHead)) {
     has_ended_ = true;
-    cut_ = "it ends" + at(size_) + ", without its end record";
+    cut_ = "it ends" + at(size_) + ", without an end record";
     return std::nullopt;
   }
   BodyReader reader(head, "the record" + at(offset));
@@ -156,7 +156,7 @@ void McapReader::check_end(const McapRecord& record) {
   std::string magic;
   if (!read(magic, std::min<std::uint64_t>(kMcapMagic.size(), size_ - offset_)) ||
       magic != kMcapMagic) {
-    cut_ = "it ends" + at(size_) + ", behind " + where(record);
+    cut_ = "it ends" + at(size_) + ", after " + where(record);
   }
 }
 
@@ -181,7 +181,7 @@ void McapReader::open_chunk(const McapRecord& record) {
     chunk_ = bytes;
   } else {
     throw RecordingError(where(record) + " is compressed with " + in_quotes(compression) +
-                         "; zstd and none are read");
+                         "; only zstd or no compression is supported");
   }
   if (crc != 0 && crc != crc_of(chunk_)) {
     throw RecordingError(where(record) + " has a wrong checksum");
@@ -195,7 +195,8 @@ std::optional<McapRecord> McapReader::next_of_chunk() {
   BodyReader reader(left_, where(record));
   const auto opcode = static_cast<Opcode>(reader.get<std::uint8_t>());
   if (opcode == Opcode::chunk || opcode == Opcode::footer) {
-    throw RecordingError(where(record) + " has a " + name_of(opcode) + " in it");
+    throw RecordingError(where(record) + " contains a " + name_of(opcode) +
+                         ", which is not allowed there");
   }
   record.body = reader.take(reader.get<std::uint64_t>());
   record.opcode = opcode;

@@ -246,7 +246,8 @@ class StatusReader {
     if (encoding != "cdr" || schema->second.encoding != "ros2msg") {
       throw RecordingError("the topic " + in_quotes(channel.topic) + " is encoded as " +
                            in_quotes(encoding) + " with a schema of " +
-                           in_quotes(schema->second.encoding) + "; cdr with ros2msg is read");
+                           in_quotes(schema->second.encoding) +
+                           "; only cdr with ros2msg is supported");
     }
     channel.bench = bench_of(channel.topic, metadata);
     channel.name = name_of(channel.topic, metadata);

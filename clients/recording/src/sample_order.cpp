@@ -14,13 +14,13 @@ void SampleOrder::note(const client::AxisId& axis, std::uint64_t tick) {
   if (!is_first && tick < ticks.newest.number) {
     throw RecordingError("the tick " + std::to_string(tick) + " of the axis " + to_string(axis) +
                          " follows the tick " + std::to_string(ticks.newest.number) +
-                         " of its bench: a part is repeated, or in another place");
+                         " of its bench: a part of the file is duplicated or out of order");
   }
   if (!is_first && tick > ticks.newest.number) ticks.before = std::exchange(ticks.newest, {});
   ticks.newest.number = tick;
   if (!ticks.newest.axes.insert(axis.axis).second) {
     throw RecordingError("the axis " + to_string(axis) + " has the tick " + std::to_string(tick) +
-                         " twice: a part is repeated");
+                         " twice: a part of the file is duplicated");
   }
 }
 

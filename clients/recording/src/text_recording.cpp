@@ -237,7 +237,7 @@ class TextReader {
     try {
       for (std::string line; std::getline(file_, line);) {
         ++number_;
-        if (file_.eof()) throw RecordingError("it has no line break at its end: it is incomplete");
+        if (file_.eof()) throw RecordingError("the last line has no line break: it is incomplete");
         if (line.ends_with('\r')) line.pop_back();
         take(line);
       }
@@ -301,9 +301,9 @@ class TextReader {
       sample_.tick = row.axis.tick;
       sample_.missed = row.missed;
     } else if (sample_.missed != row.missed) {
-      throw RecordingError("missed is " + std::to_string(row.missed) +
-                           ", in the row before, of the same tick, " +
-                           std::to_string(sample_.missed));
+      throw RecordingError("missed is " + std::to_string(row.missed) + ", but " +
+                           std::to_string(sample_.missed) +
+                           " in the previous row of the same tick");
     }
     sample_.axes.push_back(row.axis);
     note_axis(row);
@@ -312,8 +312,8 @@ class TextReader {
   void note_axis(const Row& row) {
     const auto [name, is_new] = names_.try_emplace(row.axis.id, row.name);
     if (!is_new && name->second != row.name) {
-      throw RecordingError("the name of the axis " + to_string(row.axis.id) + " is " +
-                           in_quotes(row.name) + ", before it was " + in_quotes(name->second));
+      throw RecordingError("the name of the axis " + to_string(row.axis.id) + " changes from " +
+                           in_quotes(name->second) + " to " + in_quotes(row.name));
     }
     if (!is_new) return;
     RecordedBench& bench = benches_[row.axis.id.bench];
