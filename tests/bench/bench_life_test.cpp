@@ -1212,8 +1212,8 @@ TEST(Bench, RefusesEachKeyAboutANetworkWithItsReason) {
       ++chosen;
       EXPECT_EQ(message_of({.configuration = line}),
                 key.path +
-                    " is for a bench on the network: a bench in this process has none; leave it "
-                    "out, or start vdrived")
+                    " is a network setting, which a bench in this process does not support: remove "
+                    "it, or start vdrived")
           << line;
     }
     EXPECT_GE(chosen, 1U) << "no value of the test is one of " << key.path;
@@ -1225,9 +1225,8 @@ TEST(Bench, NamesTheFileOfAKeyAboutANetwork) {
   const test::TemporaryDirectory directory;
   const auto file = directory.path() / "bench.yaml";
   std::ofstream(file) << "network: {domain: 5}\n";
-  EXPECT_THAT(
-      message_of({.configuration_file = file}),
-      testing::StartsWith(file.string() + ": network.domain is for a bench on the network"));
+  EXPECT_THAT(message_of({.configuration_file = file}),
+              testing::StartsWith(file.string() + ": network.domain is a network setting"));
   EXPECT_THAT(message_of({.configuration = "clock: {period: 9 s}\n"}),
               HasSubstr("configuration:1"));
 }

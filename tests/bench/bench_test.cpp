@@ -138,7 +138,7 @@ TEST(Bench, WithANumberThatIsOnTheBusIsRefusedByName) {
     const Bench second({.number = 7, .bus = bench.bus()});
     FAIL() << "two benches have the number 7";
   } catch (const BenchError& error) {
-    EXPECT_THAT(error.what(), HasSubstr("number = 7: bench 7 is on this bus already"));
+    EXPECT_THAT(error.what(), HasSubstr("number = 7: bench 7 is already on this bus"));
   }
 }
 

@@ -378,7 +378,7 @@ TEST_F(LockStepGroup, MovesAModuloAxisWithinItsRangeAndByNoDirection) {
                         "4096 UU (360.00 deg)"));
   write("1.3", kPositioningOption, 2 + 128);
   EXPECT_THAT(group.move_together(vector({1000, 1000, 1000})).message(),
-              HasSubstr("axis 1.3: positioning_option_code (60F2h) chooses a direction"));
+              HasSubstr("axis 1.3: positioning_option_code (60F2h) selects a direction"));
   EXPECT_EQ(group.status()->demand(), vector({0, 0, 0}));
   write("1.3", kPositioningOption, 2);
   ASSERT_TRUE(group.move_together(vector({1000, 1000, 4'000})));
@@ -504,7 +504,7 @@ TEST_F(LockStepGroup, AMoveEndsAndStopsItsOtherAxesWhenAnotherSessionTakesOne) {
   const Outcome ended =
       group.move_together(vector({200'000, 100'000, 50'000}), {.call = taker.options()});
   EXPECT_TRUE(taker.is_named_by(ended));
-  EXPECT_THAT(ended.message(), HasSubstr("another program has taken an axis of the group"));
+  EXPECT_THAT(ended.message(), HasSubstr("another session has taken an axis of the group"));
   const auto seen = group.status();
   ASSERT_TRUE(seen) << seen.outcome().message();
   EXPECT_EQ(seen->axes[1].state(), PowerState::operation_enabled) << "it is left to the other one";
@@ -1184,9 +1184,9 @@ TEST_F(Group, StopsWhenALimitSwitchStopsOneAxis) {
   const std::uint64_t start = tick();
   const Outcome ended = group.wait_all();
   EXPECT_EQ(ended.kind(), OutcomeKind::failed);
-  EXPECT_THAT(ended.message(),
-              HasSubstr("axis 1.2: the positive limit switch (60FDh bit 1) has ended the move to "
-                        "60000"));
+  EXPECT_THAT(
+      ended.message(),
+      HasSubstr("axis 1.2: the positive limit switch (60FDh bit 1) ended the move to 60000"));
   EXPECT_LT(tick(), start + 1'000);
   const auto status = group.status();
   ASSERT_TRUE(status);

@@ -56,7 +56,7 @@ TEST(ServiceThatShutsDown, IsTheReasonWhyAMoveOfAGroupFails) {
   const Outcome lost = group->move_together(Eigen::Vector2d(300'000, 300'000), {.call = call});
   EXPECT_EQ(lost.kind(), OutcomeKind::lost);
   EXPECT_THAT(lost.message(),
-              testing::AnyOf(HasSubstr("bench 1 shuts down: its service brakes the axes"),
+              testing::AnyOf(HasSubstr("bench 1 is shutting down: its service brakes the axes"),
                              HasSubstr("bench 1 went offline: its service has ended")));
   EXPECT_THAT(lost.message(), testing::Not(HasSubstr("did not stop")));
 }

@@ -266,7 +266,7 @@ const std::vector<Deed> kDeeds{
        others.quick_stop().or_throw();
        write(axis, kControlword, 0x0F);
      },
-     "something else has ended the move to 50000"},
+     "was ended by another cause"},
     {"AHaltOfAnotherSession",
      [](Session&, Axis&, Axis& others) {
        others.halt().or_throw();

@@ -87,9 +87,8 @@ TEST(TextOfASight, NamesWhatWasSeen) {
             "seen: 1 other participant, 1 service that has not described its bench");
   EXPECT_EQ(
       text_of({.participants = 4, .services = 3, .undescribed = 2, .unreachable = 1}, 340ms),
-      "seen: 4 other participants, 2 services that have not described their benches, 1 service "
-      "in the other mode, open or closed, than this program, this machine ran the search 340 "
-      "ms late in all");
+      "seen: 4 other participants, 2 services that have not described their benches, 1 service in "
+      "the other security mode (open or closed), the search was delayed by 340 ms on this machine");
 }
 
 }  // namespace

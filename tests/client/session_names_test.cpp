@@ -96,7 +96,7 @@ TEST_F(NamedSessions, ARobbedProgramReadsWhoHasTakenItsAxis) {
     return true;
   });
   EXPECT_EQ(jogged.kind(), OutcomeKind::refused);
-  EXPECT_THAT(jogged.message(), StartsWith("a quick stop has ended the jog: "));
+  EXPECT_THAT(jogged.message(), StartsWith("a quick stop ended the jog: "));
   EXPECT_THAT(jogged.message(), EndsWith(": " + controlled_by("beta", beta_)));
 }
 

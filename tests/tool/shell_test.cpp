@@ -51,7 +51,7 @@ TEST_F(Shell, LetsAnAxisGoOnWhoseVelocityTakesTooLong) {
                                  "halt 1.1 --wait\n");
   EXPECT_EQ(finished.code, 4) << finished.errors;
   EXPECT_THAT(finished.errors,
-              AllOf(HasSubstr(" of 100000 UU/s (8789.06 deg/s), still on its way; to stop it: "),
+              AllOf(HasSubstr(" of 100000 UU/s (8789.06 deg/s), still changing; to stop it: "),
                     testing::Not(HasSubstr("expected"))));
 }
 

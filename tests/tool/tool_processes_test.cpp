@@ -214,10 +214,11 @@ TEST_F(MoveOfAnotherProgram, IsTakenOver) {
   EXPECT_EQ(tool("disable 1.1 --take-over").code, 0);
   const Finished moved = move_->wait();
   EXPECT_EQ(moved.code, 5);
-  EXPECT_THAT(moved.errors,
-              MatchesRegex("vdrive: another program has taken the axis: this call has ended, and "
-                           "does not stop it: axis 1\\.1 is controlled by vdrive \\(process "
-                           "[0-9]+ on .+\\), session 0x[0-9a-f]+.*\n"));
+  EXPECT_THAT(
+      moved.errors,
+      MatchesRegex(
+          "vdrive: another session has taken the axis: this call ends and does not stop it: axis "
+          "1\\.1 is controlled by vdrive \\(process [0-9]+ on .+\\), session 0x[0-9a-f]+.*\n"));
 }
 
 // The move of the other program never ends here, so only the loss of control can end this one.
@@ -226,7 +227,7 @@ TEST_F(MoveOfAnotherProgram, IsTakenOverByAMove) {
   ASSERT_EQ(tool("move 1.1 -10000000 --velocity 1000 --take-over --no-wait").code, 0);
   const Finished moved = move_->wait();
   EXPECT_EQ(moved.code, 5);
-  EXPECT_THAT(moved.errors, HasSubstr("another program has taken the axis"));
+  EXPECT_THAT(moved.errors, HasSubstr("another session has taken the axis"));
   EXPECT_NE(speed(), 0) << "it goes on for the other one";
 }
 
@@ -334,8 +335,8 @@ TEST_F(CommandsThatWait, AreToldThatTheirServiceShutsDown) {
     if (ended[i].code == 0 && std::string(kWaitingCommands.at(i).axis) == "1.6") continue;
     EXPECT_EQ(ended[i].code, 1) << kWaitingCommands.at(i).words;
     EXPECT_THAT(ended[i].errors,
-                MatchesRegex("vdrive: bench 1 (shuts down: its service brakes the axes, then exits|"
-                             "went offline: its service has ended).*\n"))
+                MatchesRegex("vdrive: bench 1 (is shutting down: its service brakes the axes, then "
+                             "exits|went offline: its service has ended).*\n"))
         << kWaitingCommands.at(i).words;
   }
 }

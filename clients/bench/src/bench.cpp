@@ -61,8 +61,8 @@ void refuse_network(const Configuration& configuration, const std::string& where
   const wire::NetworkSettings& network = configuration.network;
   const auto refuse = [&where](const std::string& key) {
     throw NeedsNetwork(where + key +
-                       " is for a bench on the network: a bench in this process has none; " +
-                       "leave it out, or start vdrived");
+                       " is a network setting, which a bench in this process does not support: "
+                       "remove it, or start vdrived");
   };
   if (configuration.metrics_port) refuse("metrics.port");
   if (configuration.wire_form) refuse("wire.form");
@@ -259,7 +259,7 @@ Bench::Bench(const BenchOptions& options)
               new Parts(std::move(configuration), journal_of(options), std::move(store)));
         } catch (const wire::NameTaken&) {
           throw BenchError("number = " + number + ": bench " + number +
-                           " is on this bus already; give each bench of a bus a number of its own");
+                           " is already on this bus: give each bench a different number");
         }
       })) {}
 

@@ -55,8 +55,8 @@ std::string what_it_shows(const AxisSnapshot& axis) {
   text += describe_statusword(axis.status.ds402_statusword, axis.mode());
   if (static_cast<ErrorCode>(axis.status.error_code) == ErrorCode::life_guard_or_heartbeat) {
     text +=
-        "; the bench received nothing from the owner of the axis in time; raise its "
-        "watchdog.timeout_ms, or use lock-step and join the clock that others step";
+        "; the bench received nothing from the owner of the axis in time: increase "
+        "watchdog.timeout_ms of the bench, or use lock-step and join its clock";
   }
   return text;
 }

@@ -150,8 +150,8 @@ class Story {
   void add_inputs() {
     for (const auto& [object, known] : known_) {
       if (!is_test_input(object) || known.value == 0) continue;
-      std::string line =
-          "somebody had set " + object_text(object) + " = " + std::to_string(known.value);
+      std::string line = "the test-bench input " + object_text(object) + " was set to " +
+                         std::to_string(known.value);
       line += known.write
                   ? " at " + before_text(known.write->tick) + ", " + writer_text(*known.write)
                   : " before this window began";
@@ -187,12 +187,12 @@ class Story {
 
   void add_silence() {
     if (!lost_at_) return;
-    std::string line = "its master fell silent";
+    std::string line = "its master";
     const auto event = std::ranges::find_if(window_.events, [this](const WindowEvent& each) {
       return each.kind == EventKind::master_lost && each.tick == *lost_at_;
     });
     if (event != window_.events.end()) line += ", " + name_of_(event->session) + ",";
-    lines_.push_back(line + " and was given up at " + before_text(*lost_at_));
+    lines_.push_back(line + " fell silent and was considered lost at " + before_text(*lost_at_));
   }
 
   void add_command() {
@@ -211,7 +211,7 @@ class Story {
     if (before_.size() < 2) return;
     const AxisSnapshot& axis = **(before_.rbegin() + 1);
     const OperatingModeRow* const mode = find_operating_mode(axis.mode());
-    std::string line = "a tick before it was in " + std::string(to_string(axis.state()));
+    std::string line = "one tick earlier it was in " + std::string(to_string(axis.state()));
     if (mode != nullptr) line += ", " + std::string(mode->name);
     line += ", at " + std::to_string(axis.status.load_position_actual_value) + " UU with " +
             std::to_string(axis.status.load_velocity_actual_value) + " UU/s, " +

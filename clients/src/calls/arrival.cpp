@@ -47,7 +47,7 @@ Outcome still_moving(const AxesCall& call, std::int32_t target) {
                         call.position_text(target) + ", still moving at " +
                         call.velocity_text(axis.status.velocity_demand_value);
   if (const auto seconds = seconds_to(axis, target)) {
-    message += ", some " + std::to_string(*seconds) + " s more at this speed";
+    message += ", about " + std::to_string(*seconds) + " s left at this speed";
   }
   return Outcome::timed_out(std::move(message));
 }
@@ -73,7 +73,7 @@ Outcome LimitSwitchWatch::outcome(const AxisSnapshot& axis, const Unit& unit,
                                   const std::string& what) const {
   if (input_.empty()) return {};
   return Outcome::failed(
-      "axis " + to_string(axis.id) + ": the " + std::string(input_) + " has ended " + what +
+      "axis " + to_string(axis.id) + ": the " + std::string(input_) + " ended " + what +
       " at position " +
       quantity_text(axis.status.load_position_actual_value, Dimension::position, unit));
 }
@@ -117,13 +117,13 @@ Outcome check_arrival(AxesCall& call, const AxisSnapshot& at_rest, std::int32_t 
   if (at_rest.shows(Statusword::kInternalLimitActive) && limit != limits.end()) {
     const auto place = static_cast<std::size_t>(limit - limits.begin());
     return Outcome::failed(axis + "the software limit " + object_text(kArrivalObjects.at(place)) +
-                           " = " + place_of_rest + " has cut " + move + " off");
+                           " = " + place_of_rest + " cut short " + move);
   }
   const std::int64_t span = read.back() - read[kSoftwareLimits];
   const bool is_there = span > 0 && (std::int64_t{target} - demand) % span == 0;
   if (is_there || !is_exact) return {};
-  return Outcome::failed(axis + "rests at " + place_of_rest +
-                         " (6062h): something else has ended " + move);
+  return Outcome::failed(axis + "stopped at " + place_of_rest + " (6062h): " + move +
+                         " was ended by another cause");
 }
 
 Outcome check_set_point(const AxisSnapshot& axis) {

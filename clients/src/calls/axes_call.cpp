@@ -269,9 +269,9 @@ Outcome AxesCall::await_in_force(bool has_stepped) {
   if (!answers.outcome) return answers.outcome;
   if (!answers.ignored.empty()) {
     return not_in_this_state("axis " + to_string(snapshots()[answers.ignored.front()].id) +
-                             " ignored the set-point, its buffer is full");
+                             " ignored the set-point because its buffer is full");
   }
-  return steps() ? Outcome() : await_tick("the command to be in force", answers.tick);
+  return steps() ? Outcome() : await_tick("the command to take effect", answers.tick);
 }
 
 Outcome AxesCall::put_in_force(const std::vector<std::uint16_t>& controlwords) {
@@ -420,10 +420,10 @@ Outcome AxesCall::check_owners() {
     if (axis.owner_session == core_->id) was_owner_[place] = true;
     if (!is_taken(place)) continue;
     const std::string what = axes_.caller() == Caller::axis
-                                 ? "the axis: this call has ended, and does not stop it"
-                                 : "an axis of the group: the call has ended, and stops the others";
+                                 ? "the axis: this call ends and does not stop it"
+                                 : "an axis of the group: this call ends and stops the others";
     return Outcome::refused(wire::number(msg::Reason::not_owner),
-                            "another program has taken " + what)
+                            "another session has taken " + what)
         .with_owner({.axis = axis.id, .session = axis.owner_session});
   }
   return {};
@@ -496,7 +496,7 @@ Outcome AxesCall::check_service(const AxisSnapshot& axis) {
   if (answer.kind() == OutcomeKind::lost) return answer;
   return answer.code() == wire::number(msg::Reason::shutting_down)
              ? Outcome::lost(name_of(target) +
-                             " shuts down: its service brakes the axes, then exits")
+                             " is shutting down: its service brakes the axes, then exits")
              : Outcome();
 }
 

@@ -397,7 +397,7 @@ Outcome AxesCommand::put_in_force() {
   if (row_.command == EachCommand::resume) {
     return call_.await_enabled("the release", from_, every_axis);
   }
-  Outcome seen = call_.await_tick("the command to be in force", from_);
+  Outcome seen = call_.await_tick("the command to take effect", from_);
   return stops_if_lost() ? call_.stop_if_lost(std::move(seen)) : seen;
 }
 

@@ -286,8 +286,8 @@ struct Obstacles {
     if (Outcome ended = limit_switch.outcome(axis, call.unit_of(axis.id), what); !ended) {
       return ended;
     }
-    return Outcome::failed("axis " + to_string(axis.id) + ": " + what + " stays at " + demand +
-                           ", limited by " + limits);
+    return Outcome::failed("axis " + to_string(axis.id) + ": " + what + " is limited to " + demand +
+                           " by " + limits);
   }
 };
 
@@ -302,13 +302,13 @@ Outcome start_velocity(AxesCall& call, EndlessMotion& motion, std::int32_t veloc
 }
 
 /// The demand can be at its target while the axis is still approaching it.
-/// @return such as "at 512 UU/s (45.00 deg/s) of 1024 UU/s (90.00 deg/s), still on its way".
+/// @return such as "at 512 UU/s (45.00 deg/s) of 1024 UU/s (90.00 deg/s), still changing".
 std::string velocity_progress(const AxesCall& call, std::int32_t velocity) {
   const AxisStatus& status = call.snapshot().status;
   const std::int32_t demand = status.velocity_demand_value;
   const std::int32_t speed = demand == velocity ? status.load_velocity_actual_value : demand;
   return "at " + call.velocity_text(speed) + " of " + call.velocity_text(velocity) +
-         ", still on its way";
+         ", still changing";
 }
 
 /// Starts the velocity and waits until it is reached, if the options ask for that.
@@ -377,7 +377,7 @@ Outcome stop_instead(const std::shared_ptr<SessionCore>& core, const AxisId& id,
   if (is_seen && !has_no_fault(stop.call().snapshot())) return cause;  // its reaction stops it
   stop.carry_out();
   const Outcome stopped = stop.outcome();
-  if (stopped) return cause.with_prefix("a quick stop has ended the jog: ");
+  if (stopped) return cause.with_prefix("a quick stop ended the jog: ");
   return cause.with_prefix("axis " + to_string(id) +
                            " was not seen to stop, its quick stop failed (" + stopped.message() +
                            "): ");
@@ -478,8 +478,7 @@ Outcome reach_torque(AxesCall& call, EndlessMotion& motion, std::int16_t torque,
     seen = explained(std::move(seen), call, wakeup, "with its torque");
     return with_progress(std::move(seen), call, kTorqueReached,
                          "at " + std::to_string(call.snapshot().status.torque_demand) + " of " +
-                             std::to_string(torque) +
-                             " per mille of rated torque, still on its way");
+                             std::to_string(torque) + " per mille of rated torque, still changing");
   }
   if (target_reached(call.snapshot())) return check_halt(call);
   return obstacles.outcome(call, "the torque of " + std::to_string(torque),

@@ -93,7 +93,7 @@ Outcome await_look(AxesCall& call) {
   const auto loops = loops_of(call);
   const auto longest = *std::ranges::max_element(loops);
   if (longest.count() == 0) return {};
-  return call.await_tick("the drive to look at its controlword",
+  return call.await_tick("the drive to evaluate the controlword",
                          call.tick() + ticks_of(longest, call.period()));
 }
 

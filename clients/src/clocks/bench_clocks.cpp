@@ -125,12 +125,11 @@ void BenchClocks::abandon() noexcept {
 Outcome BenchClocks::note_thread(const Target& target) {
   const std::uint64_t other = participant_.join_clock(clock_of(target.key), session_);
   if (other == 0) return {};
-  return Outcome::refused(
-      wire::number(msg::Reason::missing_stepper),
-      "this thread has joined the clock of " + name_of(target) + " already, with session " +
-          session_text(other) +
-          ": a step of one of the two would wait for the other for ever; join the clock in the "
-          "thread that steps it, or step all benches with one session");
+  return Outcome::refused(wire::number(msg::Reason::missing_stepper),
+                          "this thread has joined the clock of " + name_of(target) +
+                              " already, with session " + session_text(other) +
+                              ": a step of one would wait forever for the other; join the clock in "
+                              "the thread that steps it, or step all benches with one session");
 }
 
 void BenchClocks::forget_thread(const BenchKey& key) {

@@ -206,9 +206,9 @@ Outcome Control::release(const ReleasedAxes& given) {
   if (Outcome released = release(target, parts); !released) return released;
   const std::size_t others = given.kept.size() - 1;
   return Outcome::failed(name_of(target, given.kept.front()) +
-                         (others == 0 ? "" : " and " + std::to_string(others) + " more") +
-                         ", not seen to stop, not released: the watchdog of the bench acts when "
-                         "this session is silent");
+                         (others == 0 ? " was" : " and " + std::to_string(others) + " more were") +
+                         " not released, because no stop was seen; the watchdog of the bench acts "
+                         "once this session is silent");
 }
 
 /// Also works after an interrupt, and for a service that may be gone: it uses its own patience.

@@ -384,7 +384,8 @@ Outcome AxisGroup::monitor(bool on) {
   if (Outcome begun = call.begin(kUsualTimeout); !begun) return begun;
   if (call.steps()) {
     return Outcome::refused(wire::number(msg::Reason::wrong_clock_mode),
-                            "a monitor needs a clock that is not stepped: realtime or freerun");
+                            "monitor() needs a clock that is not stepped: realtime or freerun; in "
+                            "lock-step use poll()");
   }
   state_->monitor = std::jthread(
       [state = state_.get(), watched = std::move(call)](const std::stop_token& stop) mutable {

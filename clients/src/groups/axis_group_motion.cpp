@@ -94,8 +94,8 @@ Outcome check_range(const AxesCall& call, const AxisId& axis,
   }
   if ((values[positioning_option] & PositioningOption::kDirectionBits) == 0) return {};
   return not_in_this_state("axis " + to_string(axis) +
-                           ": positioning_option_code (60F2h) chooses a direction, which a line "
-                           "cannot keep; write it without bits 6 and 7");
+                           ": positioning_option_code (60F2h) selects a direction, which a line "
+                           "cannot follow; write it without bits 6 and 7");
 }
 
 /// Two habits make a drive leave the line: forgetting the speed of a moving axis, and evaluating
@@ -319,8 +319,8 @@ Outcome AxisGroup::State::start(AxesCall& call, const LineRequest& request) {
   if (answers.tick != 0) withdraw(call);
   if (!answers.outcome) return answers.outcome;
   return not_in_this_state("axis " + to_string(layout.axes[answers.ignored.front()]) +
-                           " ignored the set-point: it still moves, or a limit that was written "
-                           "after it was enabled is not yet in force");
+                           " ignored the set-point: it is still moving, or a limit written after "
+                           "enabling is not in force yet");
 }
 
 /// Withdraws a start in which not every axis took part: the others get a set-point at their present

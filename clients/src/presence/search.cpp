@@ -43,11 +43,11 @@ std::string text_of(const SearchFindings& findings, SearchClock::duration delay)
   }
   if (findings.unreachable != 0) {
     text += ", " + counted(findings.unreachable, "service", "services") +
-            " in the other mode, open or closed, than this program";
+            " in the other security mode (open or closed)";
   }
   if (delay >= kShownDelay) {
-    text += ", this machine ran the search " +
-            std::to_string(std::chrono::floor<milliseconds>(delay).count()) + " ms late in all";
+    text += ", the search was delayed by " +
+            std::to_string(std::chrono::floor<milliseconds>(delay).count()) + " ms on this machine";
   }
   return text;
 }

@@ -31,11 +31,11 @@ std::string paused_text(const Target& target) {
 }
 
 std::string restarted_text(const Target& target) {
-  return name_of(target) + " restarted: another run of its service has begun";
+  return name_of(target) + " was restarted: this is a new run of its service";
 }
 
 Outcome not_permitted(const Target& target) {
-  return Outcome::refused(kNotPermitted, name_of(target) + " received no request");
+  return Outcome::refused(kNotPermitted, "nothing was sent to " + name_of(target));
 }
 
 Outcome refusal_of(const Target& target, const msg::Reply& reply, std::string_view what) {

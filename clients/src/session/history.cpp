@@ -348,7 +348,7 @@ Result<Window> Session::window(std::uint64_t number, std::span<const AxisId> axe
     reader.take(*page, numbers->size());
     // If a service counted backwards, the window would never end.
     if (page->snapshot != 0 && page->snapshot <= place) {
-      return Outcome::failed(what + ": the bench sends a page again");
+      return Outcome::failed(what + ": the bench sent the same page twice");
     }
     place = page->snapshot;
   } while (place != 0);

@@ -22,8 +22,9 @@ constexpr std::chrono::milliseconds kShortestSilence{50};
 
 const SessionOptions& checked(const SessionOptions& options) {
   if (options.silence >= kShortestSilence) return options;
-  throw std::runtime_error("the time without samples after which a service is lost, " +
-                           std::to_string(options.silence.count()) + " ms, is below 50 ms");
+  throw std::runtime_error(
+      "silence = " + std::to_string(options.silence.count()) +
+      " ms, the time without samples after which a service is lost: must be 50 ms or more");
 }
 
 std::uint64_t random_session() {

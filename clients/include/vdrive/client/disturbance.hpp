@@ -38,13 +38,13 @@ struct DisturbanceRow {
 
 /// Every disturbance, in the order of its objects.
 inline constexpr std::array kDisturbances{
-    DisturbanceRow{Disturbance::load_torque, "load_torque", "test_load_torque",
-                   ErrorCode::following_error,
-                   "acts on the load; once the deviation is above 6065h for 6066h"},
     DisturbanceRow{
-        Disturbance::blocked_load, "blocked_load", "test_blocked_load", ErrorCode::following_error,
-        "holds the load; once the deviation is above 6065h for 6066h, so never in a move "
-        "shorter than 6065h"},
+        Disturbance::load_torque, "load_torque", "test_load_torque", ErrorCode::following_error,
+        "a torque on the load; once the following error exceeds 6065h for longer than 6066h"},
+    DisturbanceRow{Disturbance::blocked_load, "blocked_load", "test_blocked_load",
+                   ErrorCode::following_error,
+                   "holds the load; once the following error exceeds 6065h for longer than 6066h, "
+                   "so never in a move shorter than 6065h"},
     DisturbanceRow{Disturbance::over_current, "over_current", "test_over_current",
                    ErrorCode::continuous_over_current, "immediately, in every state"},
     DisturbanceRow{Disturbance::over_temperature, "over_temperature", "test_over_temperature",
