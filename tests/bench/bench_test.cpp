@@ -279,7 +279,7 @@ TEST(Bench, TakesAnAxisFromASessionThatIsSilentWhileAnotherOneSteps) {
   ASSERT_TRUE(other.step(1, 510));
   const auto lost = axis->status();
   EXPECT_EQ(lost->status.error_code, 0x8130U);
-  EXPECT_THAT(client::what_it_shows(*lost), HasSubstr("join the clock that others step"));
+  EXPECT_THAT(client::what_it_shows(*lost), HasSubstr("use lock-step and join its clock"));
 }
 
 // This program links vdrive::bench only.
