@@ -1060,7 +1060,7 @@ test("the clock of the bench is paused and runs again", async () => {
 // 512x384 is 1024x768 at 200 %, 390x400 is 780x800 at 200 %.
 const SIZES = [[1440, 900], [1180, 800], [1140, 800], [1024, 768], [780, 800], [390, 844], [512, 384], [390, 400]];
 
-/** What is wrong with the place of STOP; nothing if all of it can be reached by a pointer. */
+/** The problem with the place of STOP; nothing if a pointer can reach all of it. */
 const stopProblem = (shown) =>
   shown.locator('[data-test="stop"]').evaluate((stop) => {
     const { left, top, right, bottom } = stop.getBoundingClientRect();

@@ -40,7 +40,7 @@ if $build; then
   "$root/deploy/build.sh" --target vdrived --target vdrive-gateway
 fi
 
-# npm writes beside package.json: a copy keeps the source tree clean.
+# npm writes next to package.json, so a copy keeps the source tree clean.
 work=$root/build/browser
 mkdir -p "$work"
 cp "$here"/*.mjs "$here"/package.json "$here"/package-lock.json "$here"/.npmrc "$work"

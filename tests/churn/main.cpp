@@ -86,8 +86,8 @@ void add_roles(CLI::App& program, Arguments& to) {
 int run(int count, char** words) {
   CLI::App program("Roles of tests/churn");
   Arguments arguments;
-  // Generous, since a loaded machine is slow, and a hung wire is noticed within 5 s. The actual time
-  // is measured.
+  // Generous, since a loaded machine is slow, and a hung wire is noticed within 5 s. The actual
+  // time is measured.
   arguments.setting.network.find_timeout = std::chrono::seconds(20);
   arguments.setting.network.silence = std::chrono::seconds(10);
   program.add_option("--domain", arguments.setting.network.domain, "DDS domain")->required();

@@ -162,7 +162,7 @@ def follow_block(shell, note, text):
 
 
 def follow(shell, readme, tutorial):
-    """Returns what is wrong with the two documents."""
+    """Returns the mistakes in the two documents."""
     problems = follow_readme(shell, readme)
     service = shell.jobs()
     if len(service) != 1:
