@@ -642,21 +642,11 @@ TEST(Configuration, OfTheGuideHasNoWarningAndItsLimitsAreInForce) {
   EXPECT_EQ(bank.read(0, {0x607D, 1}).value, -100'000);
 }
 
-/// @return the rows about model parameters in docs/guides/configuration.md.
-std::vector<std::string> documented_model_parameters() {
-  std::ifstream page(VDRIVE_SOURCE_DIR "/docs/guides/configuration.md");
-  std::vector<std::string> rows;
-  bool is_below_the_title = false;
-  for (std::string line; std::getline(page, line);) {
-    is_below_the_title = is_below_the_title || line.starts_with("| key | unit | limits |");
-    if (is_below_the_title && line.empty()) break;
-    if (is_below_the_title && line.starts_with("| `")) rows.push_back(line);
-  }
-  return rows;
-}
-
-TEST(Configuration, DocumentsEachModelParameterWithItsLimitsAndDefault) {
-  std::vector<std::string> expected;
+// `vdrived --help-config` has their units, limits and defaults.
+TEST(Configuration, OfTheGuideNamesEachModelParameter) {
+  std::ifstream file(VDRIVE_SOURCE_DIR "/docs/guides/configuration.md");
+  std::ostringstream page;
+  page << file.rdbuf();
   for (const ModelParameter& parameter : kModelParameters) {
     EXPECT_NE(page.str().find("`" + std::string(parameter.name) + "`"), std::string::npos)
         << parameter.name;
