@@ -249,7 +249,7 @@ class BenchLinks {
  private:
   /// The link to one run of a service.
   struct Link {
-    std::mutex mutex;     ///< puts messages in order; taken after Holdings::lock_sending
+    std::mutex mutex;     ///< puts messages in order; taken after HeldAxes::lock_sending
     wire::Source source;  ///< participant that has our messages; guarded by the mutex of the links
   };
 

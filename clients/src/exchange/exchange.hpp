@@ -47,7 +47,7 @@ struct FrameContent {
   std::vector<msg::AxisCommand> commands;
   std::uint64_t apply_at_tick = 0;     ///< 0 = the next; a frame that misses its tick is refused
   std::uint32_t flags = 0;             ///< FRAME_..., in addition to the request for a reply
-  std::vector<std::uint16_t> moved{};  ///< axes that run from then on: see Holdings
+  std::vector<std::uint16_t> moved{};  ///< axes that run from then on: see HeldAxes
 };
 
 struct SentFrames {
