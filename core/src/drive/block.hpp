@@ -20,9 +20,9 @@ namespace vdrive {
 [[nodiscard]] std::uint64_t lanes_across(const DemandBlock& demand,
                                          const TickTiming& timing) noexcept;
 
-/// Ends the tick of those `lanes` in which nothing but the motion goes on: the demand stays within
-/// its segment, the following error within its window, and the axis outside the target window or,
-/// if it was standing in it, inside.
+/// Ends the tick of those `lanes` that are still steady (drive/tick.hpp): the demand stays within
+/// its segment and the following error within its window; the axis stays outside the target window
+/// or, if it stands on its target, inside it.
 /// @return these lanes; the other lanes are unchanged.
 std::uint64_t end_steady_tick(BlockState& block, std::uint64_t lanes,
                               const TickTiming& timing) noexcept;

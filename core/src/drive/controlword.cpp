@@ -25,8 +25,8 @@ void take_command(Drive& drive, PowerCommand command) {
                                                  cause_present(drive)));
 }
 
-/// Goes as far towards Switched on as Enable operation may lead now.
-/// @return whether the drive gets there; if not, the command is handled as usual.
+/// Takes the transitions to Switched on that Enable operation may take now.
+/// @return whether the drive is then in Switched on; if not, the command is handled as usual.
 bool switches_on(Drive& drive) {
   const bool is_disabled = state_of(drive) == PowerState::switch_on_disabled;
   if (is_disabled && drive.registers().settings.enable_from_switch_on_disabled) {
@@ -38,8 +38,9 @@ bool switches_on(Drive& drive) {
   return state_of(drive) == PowerState::switched_on;
 }
 
-/// 5E20h:07. Enable operation leads to Switched on and, after a time, to Operation enabled.
-/// @return whether it does so now.
+/// 5E20h:07. Enable operation takes the drive to Switched on and, after a time, to Operation
+/// enabled.
+/// @return whether that time runs now.
 bool begins_power_on(Drive& drive) {
   if (!switches_on(drive)) return false;
   HabitWaits& waits = drive.registers().waits;

@@ -14,12 +14,12 @@ namespace vdrive {
 /// word for the next read (5E20h:06).
 void write_controlword(Drive& drive, std::uint16_t word);
 
-/// Command, first in a tick with something held back: reads 6040h and counts down 5E20h:07 and
-/// 5E20h:08.
+/// Command, at the start of a tick in which a habit holds something back: reads 6040h and counts
+/// down 5E20h:07 and 5E20h:08.
 void begin_held_back(Drive& drive);
 
-/// Command, after the causes of faults: counts down 5E20h:09, so that a cause that persists raises
-/// a fault again in the next tick.
+/// Command, after the causes of faults were checked in that tick: counts down 5E20h:09. A cause
+/// that persists therefore raises a fault again in the next tick.
 void end_held_back(Drive& drive);
 
 }  // namespace vdrive

@@ -109,8 +109,8 @@ void switch_control(Drive& drive, ControlLoop control) {
   drive.registers().request = {};
 }
 
-/// Shifts the integrator of the velocity loop by an additional torque. Command and integrator
-/// change as if the torque were added after the loop, and the servo step has nothing to add.
+/// Shifts the integrator of the velocity loop by an additional torque. This has the effect of
+/// adding the torque after the loop, without an addition in every servo step.
 void feed_torque(Drive& drive, double torque) {
   DriveRegisters& r = drive.registers();
   if (torque == 0.0 && r.torque_offset == 0.0) return;
@@ -120,8 +120,8 @@ void feed_torque(Drive& drive, double torque) {
   r.torque_offset = wanted;
 }
 
-/// A new torque ramps from the commanded torque: if a limit cuts the ramp off, not from the end of
-/// the ramp.
+/// Starts a torque ramp. If a limit has kept the commanded torque below the demand of the previous
+/// ramp, the new ramp starts from the commanded torque.
 void start_ramp(Drive& drive, const MotionRequest& request) {
   DriveState& s = drive.state();
   const double commanded = commanded_torque(drive);
@@ -129,7 +129,8 @@ void start_ramp(Drive& drive, const MotionRequest& request) {
   if (std::abs(s.demand.torque) > std::abs(commanded) + step) s.demand.torque = commanded;
 }
 
-/// One tick from the torque demand by `change`, in equal sub-steps.
+/// Changes the commanded torque from the torque demand by `change` within a tick, in equal
+/// sub-steps.
 void step_torque(Drive& drive, double change) {
   const std::size_t l = drive.lane();
   const double unit = drive.block().units.torque_per_mille[l];
@@ -148,8 +149,9 @@ void ramp_torque(Drive& drive, const MotionRequest& request) {
   s.demand.moving = change != 0.0;
 }
 
-/// One tick straight to the streamed position, within the speed limit. To the position loop, a
-/// velocity offset is the same as a position further on; 6062h does not show it.
+/// Moves the demand straight to the streamed position in one tick, within the speed limit. A
+/// velocity offset is passed to the position loop as a shifted position, which has the same effect;
+/// 6062h does not show the shift.
 void follow_target(Drive& drive, const MotionRequest& request) {
   DriveState& s = drive.state();
   const double period = drive.timing().period_us * 1.0e-6;
@@ -220,7 +222,7 @@ Profile planned(const Drive& drive, const MotionRequest& request) {
   }
 }
 
-/// @return whether the motion needs a plan with jerk. A synchronous move has times of its own.
+/// @return whether the motion needs a plan with jerk. For a synchronous move its times decide.
 bool needs_jerk(const MotionRequest& request) {
   return request.kind == Kind::synchronous_move ? request.times.jerk > 0.0
                                                 : is_limited(request.jerk);

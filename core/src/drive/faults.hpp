@@ -12,7 +12,7 @@ namespace vdrive {
 // Faults of an axis: the causes present and the fault entered. The power stage implements the
 // reaction.
 
-/// A fault cause that is a level: an input of the test bench.
+/// A fault cause that is present as long as an input of the test bench is set.
 struct FaultCause {
   std::uint8_t bit;  // in FaultState::causes
   ObjectRow input;
@@ -45,7 +45,7 @@ inline constexpr double kFaultHeat = 1.1;
 /// @return whether the load level has changed.
 bool note_heat(Drive& drive, double heat);
 
-/// @return whether a cause persists that refuses the fault reset.
+/// @return whether a cause persists, so that a fault reset is refused.
 [[nodiscard]] bool cause_present(const Drive& drive);
 
 /// Enters a fault into 603Fh, 1001h and 1003h.

@@ -18,9 +18,10 @@ void put_segment(Drive& drive, const JerkSegment& segment);
 /// @return the time from the plan to the end of the last tick [s].
 [[nodiscard]] double plan_time(const Drive& drive);
 
-/// @return the acceleration [UU/s²] with which a plan of limited jerk begins: that of the demand.
-///         After a motion without limited jerk, such as an interrupted stop, it is reduced to what
-///         `limits` allow and `jerk` can end before the speed reaches its limit or 0.
+/// @return the acceleration [UU/s²] with which a jerk-limited plan begins: the acceleration of the
+///         demand. After a motion without limited jerk, such as an interrupted stop, it is reduced
+///         until it is within `limits` and `jerk` can bring it to 0 before the speed reaches its
+///         limit or 0.
 [[nodiscard]] double starting_acceleration(const Drive& drive, const MotionLimits& limits,
                                            const MotionJerk& jerk);
 

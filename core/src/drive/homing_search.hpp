@@ -22,7 +22,7 @@ namespace vdrive {
 /// @return the first stage of a run by `method`, one that travels, given the present switch states.
 [[nodiscard]] HomingStage first_homing_stage(const Drive& drive, const HomingMethodRow& method);
 
-/// Forgets the previous run and takes the present state of the home switch as no edge.
+/// Forgets the previous run. The first edge of the home switch is a change from its present state.
 void begin_homing_search(Drive& drive);
 
 /// Stage `leave`: the axis leaves the limit switch of the method, or meets the other one (failed).
@@ -34,9 +34,9 @@ void begin_homing_search(Drive& drive);
 /// @return whether the edge at home has been passed.
 [[nodiscard]] bool passes_home_switch(Drive& drive);
 
-/// Stages `push` and `press`: the axis stands with at least the torque 5E18h:01 towards the stop. A
-/// limit switch before the stop means failure.
-/// @return whether it has done so for 5E18h:02.
+/// Stages `push` and `press`: watches for an axis at standstill that presses against the stop with
+/// at least the torque 5E18h:01. A limit switch before the stop means failure.
+/// @return whether the axis has pressed against the stop for the time 5E18h:02.
 [[nodiscard]] bool meets_hard_stop(Drive& drive);
 
 }  // namespace vdrive

@@ -22,8 +22,8 @@ void note_set_point(Drive& drive);
 /// Command: forgets the set-points so far; the next one written starts a stream.
 void end_stream(Drive& drive);
 
-/// Command, once per tick of a stream, whatever was written before it and in whatever order: starts
-/// the interpolation to a different set-point. Repeating the same set-point does not delay it.
+/// Command, once per tick of a stream, after all writes that precede the tick: starts the
+/// interpolation if the set-point is a different one. Repeating a set-point does not delay it.
 /// Raises fault 8700h if 5E12h:02 set-points in a row are missing.
 /// @param set_point the effective value, including its offset
 /// @return false if that fault was raised.
@@ -34,8 +34,9 @@ void end_stream(Drive& drive);
 /// last part reaches the target.
 [[nodiscard]] double part_of_way(const Drive& drive, double start, double target);
 
-/// Question: the internal position [UU] for `set_point`: within 607Dh; by the shorter way round the
-/// register, or on a modulo axis round its range; with software limits, within them.
+/// Question: the internal position [UU] for `set_point`, limited by 607Dh. With software limits the
+/// way to it stays within them; otherwise it is the shorter way round the register or, on a modulo
+/// axis, round its range.
 [[nodiscard]] double streamed_position(const Drive& drive, std::int32_t set_point);
 
 /// Question: the motion in this tick towards that position, within 607Fh and 6080h.

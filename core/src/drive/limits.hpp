@@ -12,8 +12,8 @@ namespace vdrive {
 /// @return `target` [UU], limited by 607Dh if that is in force.
 [[nodiscard]] double within_software_limits(const Drive& drive, double target);
 
-/// @return `torque` [‰ of rated], limited by 6072h, 60E0h and 60E1h. A ramp beyond these limits
-///         would first have to come all the way back before it has an effect.
+/// @return `torque` [‰ of rated], limited by 6072h, 60E0h and 60E1h. Ramps are limited too: beyond
+///         these limits a ramp would have no effect until it is back.
 [[nodiscard]] double within_torque_limits(const Drive& drive, double torque);
 
 /// @return whether the limit switch in `direction` (not 0) is active.
@@ -30,8 +30,9 @@ namespace vdrive {
 [[nodiscard]] std::uint16_t bits_at_limits(const Drive& drive, double internal_demand,
                                            double internal_actual);
 
-/// @return bit 11 of 6041h at or beyond a software limit or on a limit switch, and bit 7 strictly
-///         beyond a software limit, for whole internal positions [UU].
+/// @return bits of 6041h: bit 11 if a position is at or beyond a software limit, or a limit switch
+///         is active; bit 7 if a position is strictly beyond a software limit. The positions are
+///         internal and whole [UU].
 [[nodiscard]] inline std::uint16_t limit_bits(const Drive& drive, double internal_demand,
                                               double internal_actual) {
   const LimitState& limits = drive.state().limits;

@@ -32,7 +32,8 @@ struct Mode {
   void (*take_target)(Drive& drive, ObjectRow row) = nullptr;
 
   /// Command, before the drive asks for a motion: advances the mode by the readings of the last
-  /// tick; a limit switch cancels its target. Not called while nothing but the motion goes on.
+  /// tick; a limit switch cancels its target. Not called in ticks in which only the motion
+  /// continues.
   void (*advance)(Drive& drive) = nullptr;
 
   /// Question: the motion requested by the mode in Operation enabled.

@@ -91,8 +91,8 @@ MotionRequest stop_of_mode(const Drive& drive, std::int64_t option) {
              : stop_by_option(drive, option, urgent_normal_stop(drive));
 }
 
-/// The stop before a change of mode. The next mode begins at rest, so the axis is stopped where the
-/// normal stop would only remove a torque.
+/// The stop before a change of mode. The next mode begins at rest, so if the normal stop would only
+/// remove a torque, the axis is braked with the normal ramp instead.
 MotionRequest stop_before_change(const Drive& drive) {
   if (runs_into_limit_switch(drive, demand_velocity(drive))) {
     const Mode& mode = mode_of(drive);

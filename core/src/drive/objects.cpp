@@ -66,7 +66,7 @@ WriteResult write_object(Drive& drive, ObjectRow row, std::int64_t value) noexce
   }
   const Change change = kObjectRows[row].change;
   if (change == Change::memory) {
-    return {};  // the row still reads 1
+    return {};  // the signature is not kept: the object still reads 1
   }
   const std::int64_t previous = std::exchange(drive.registers().values[row], value);
   switch (change) {

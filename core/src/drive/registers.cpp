@@ -41,9 +41,9 @@ void update_limits(Drive& drive) {
   limits.inputs = active_inputs(drive);
 }
 
-/// The position that the switches see: the exact position in the units of 6064h, relative to where
-/// 6064h was 0 when the bank started. The switches are at the load, even with one encoder, whose
-/// positions are then those of the motor that correspond to the load.
+/// The position that the switches see: the exact position of the load in the units of 6064h,
+/// relative to where 6064h was 0 when the bank started. With one encoder 6064h counts the motor, so
+/// the position of the load is converted to that of the motor.
 double machine_position(const Drive& drive) {
   const ServoState& servo = drive.servo();
   const DriveRegisters& r = drive.registers();

@@ -49,7 +49,7 @@ struct MotionRequest {
   double target = 0.0;  // [UU], [UU/s] or [‰ of rated], by `kind`; follow: by `control`
   MotionLimits limits;  // stop: the deceleration; torque: the acceleration is the slope [‰/s]
   MoveTimes times{};    // synchronous move
-  MotionJerk jerk{};    // stops, moves, velocity; unlimited: trapezoids
+  MotionJerk jerk{};    // stops, moves, velocity; unlimited = trapezoidal profile
   // Inputs of the servo in addition to the demand; they need no new plan.
   double velocity_offset = 0.0;  // added to the output of the position loop [UU/s]
   double torque_offset = 0.0;    // added to the output of the velocity loop [‰ of rated]
@@ -75,7 +75,7 @@ struct DemandState {
 /// The target of the present motion.
 struct TargetState {
   double position = 0.0;   // latched, rounded [UU]
-  bool given = false;      // a set-point was taken since they were last cleared
+  bool given = false;      // a set-point was taken since targets were last dropped
   bool given_up = false;   // a limit switch ended the motion
   bool arrived = false;    // the demand rests on the target
   bool fresh = false;      // a set-point was taken in this tick
@@ -91,8 +91,8 @@ struct WindowState {
   std::uint32_t velocity_ticks = 0;   // 606Eh
   std::uint32_t threshold = 0;        // 606Fh [UU/s]
   std::uint32_t threshold_ticks = 0;  // 6070h
-  std::uint32_t dwell = 0;            // ticks inside the window, the present one included; ticks of
-                                      // a standing lane are added when that ends
+  std::uint32_t dwell = 0;            // ticks inside the window, the present one included; those of
+                                      // a lane steady on its target are added when that ends
   std::uint32_t standstill = 0;       // ticks at or below 606Fh, the present one included
 };
 
@@ -137,7 +137,7 @@ struct FaultState {
 
 /// Power stage.
 struct PowerStageState {
-  std::uint32_t ticks_in_state = 0;  // without steady ticks: no stop is pending in them
+  std::uint32_t ticks_in_state = 0;  // steady ticks not counted: no stop is pending in them
   std::uint32_t stop_ticks = 0;      // since the demand of a stop ended
   PowerStateMachine machine;
   bool on = false;
@@ -269,8 +269,8 @@ struct alignas(64) UnitBlock {
   Lane rated_current;      // [mA]
 };
 
-/// Steady lanes, in which nothing but the motion goes on, and the conditions that end this. Bit l
-/// of a set is lane l.
+/// Steady lanes (drive/tick.hpp), in which only the motion continues, and the conditions that end
+/// this. Bit l of a set is lane l.
 struct alignas(64) SteadyBlock {
   Lane following_error_window;  // 6065h; infinite = off [UU]
   Lane target;                  // internal target [UU]
@@ -291,7 +291,7 @@ struct BlockState {
   std::uint64_t modulo;        // lanes of modulo axes
   std::uint64_t probed;        // lanes with an enabled touch probe
   std::uint64_t jerk_limited;  // lanes that follow a plan with limited jerk
-  std::uint64_t ticks;   // since the bank started, without those of a settled block not added yet
+  std::uint64_t ticks;   // since the bank started; ticks skipped while settled are added afterwards
   std::uint64_t frozen;  // lanes whose feedback is frozen (5E0Ch)
   std::array<std::uint64_t, 2> unused;
 };

@@ -86,7 +86,7 @@ void watch(Drive& drive, const Mode& mode) {
   if (operation_enabled(drive) && mode.watch != nullptr) mode.watch(drive);
 }
 
-/// While the target is not reached there is no next one: most ticks end here.
+/// A next set-point is only taken once the target is reached, which most ticks do not do.
 void take_next_set_point(Drive& drive, const Mode& mode) {
   if (drive.state().target.arrived && operation_enabled(drive) && mode.take_next != nullptr) {
     mode.take_next(drive);

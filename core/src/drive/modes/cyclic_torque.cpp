@@ -27,8 +27,9 @@ void take_torque(Drive& drive, ObjectRow row) {
   if (row == "target_torque"_object) note_set_point(drive);
 }
 
-/// The direction is that of the torque or, without torque, that in which the axis drifts. A torque
-/// continues without a master, so halt ends the stream; the next set-point starts a new one.
+/// A limit switch counts in the direction of the torque or, without torque, in the direction in
+/// which the axis drifts. A torque continues without a master, so halt ends the stream; the next
+/// set-point starts a new one.
 void advance(Drive& drive) {
   if (!obeys_mode(drive) || !is_streaming(drive)) return;
   if (halted(drive)) {
@@ -43,13 +44,15 @@ void advance(Drive& drive) {
     end_stream(drive);
 }
 
-/// The torque at which the interpolation starts: another loop hands over its command.
+/// The torque at which the interpolation starts. If another loop was the outermost one, it is the
+/// torque that this loop commands.
 double demand_torque(const Drive& drive) {
   const DemandState& demand = drive.state().demand;
   return demand.control == ControlLoop::torque ? demand.torque : commanded_torque(drive);
 }
 
-/// An axis that has no torque to remove yet is held in place.
+/// An axis that is not under torque control yet has no torque to remove: with 605Dh = 1 it brakes
+/// with 6084h.
 MotionRequest halt(const Drive& drive) {
   const std::int64_t option = reg(drive, "halt_option_code"_object);
   const bool has_torque = drive.state().demand.control == ControlLoop::torque;

@@ -78,8 +78,8 @@ bool is_timed(const SetPoint& set_point) {
   return is_synchronous(set_point) && set_point.synchronous_move_reference_way == 0;
 }
 
-/// A master sees the end of a motion only in 6062h and 606Bh. They no longer show the last half
-/// unit of a profile, where a fraction of a microsecond or a rounded time may remain.
+/// A master sees the end of a motion only in 6062h and 606Bh. These are rounded, so they show it up
+/// to half a unit early, while a fraction of a microsecond or of a rounded time may remain.
 /// @return whether the demand is at rest or already shown as arrived.
 bool shows_rest(const Drive& drive) {
   const DriveState& s = drive.state();
@@ -87,9 +87,9 @@ bool shows_rest(const Drive& drive) {
                               nearest(demand_position(drive)) == nearest(s.target.position));
 }
 
-/// @return whether a synchronous move (5E10h) is possible in its times: from rest if they are for
-///         its own way, with time to accelerate and decelerate and, within each of these, time for
-///         the jerk at both ends.
+/// @return whether a synchronous move (5E10h) can keep its times. With times for its own way, it
+///         must start from rest. There must be time to accelerate and to decelerate and, within
+///         each of these, time for the jerk at both ends.
 bool times_fit(const Drive& drive, const SetPoint& set_point) {
   const MoveTimes times = times_of(set_point);
   const bool from_here = !is_timed(set_point) || shows_rest(drive);
@@ -98,8 +98,8 @@ bool times_fit(const Drive& drive, const SetPoint& set_point) {
          2.0 * times.jerk <= std::min(times.acceleration, times.deceleration);
 }
 
-/// An absolute target refers to the frame in which the set-point will start, so a synchronous move
-/// with times for its own way must be in that frame before it can be checked.
+/// Changes to the frame in which a synchronous move with times for its own way will start. Before
+/// that, the way to an absolute target is not known, and the move cannot be checked.
 void enter_frame(Drive& drive, const SetPoint& set_point) {
   if (is_timed(set_point) && times_fit(drive, set_point)) {
     rebase(drive);
@@ -142,7 +142,7 @@ void start(Drive& drive, const SetPoint& set_point) {
     r.set_point.limits =
         limits_of(way_of_times(drive, set_point, s.target.position), r.set_point.times);
     if (r.set_point.limits.deceleration == 0.0) {
-      r.set_point.limits.deceleration = 1.0;  // no way to go: a halt still plans its stop
+      r.set_point.limits.deceleration = 1.0;  // nothing to travel, but a halt plans a stop
     }
   }
   // The start of the profile was rebased too: the request must not compare equal to an earlier one.
@@ -204,10 +204,10 @@ MotionJerk synchronous_jerk(const Drive& drive) {
   return jerk_of(set_point.limits, set_point.times);
 }
 
-/// From rest, the plan has the common times. After a halt the remaining way is planned with the
+/// From rest, the plan takes the common times. After a halt the remaining way is planned with the
 /// same ramps and the same peak velocity, so that axes which halt and continue together stay on
-/// their line. With a reference way this holds from any state: if the states, ways and limits of
-/// several axes are in one proportion, so are their plans.
+/// their line. With a reference way they do so from any state: if the states, ways and limits of
+/// several axes are proportional to each other, so are their plans.
 MotionRequest synchronous_move(const Drive& drive) {
   const DriveRegisters& r = drive.registers();
   const TargetState& target = drive.state().target;

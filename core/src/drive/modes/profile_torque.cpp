@@ -18,7 +18,8 @@ void take_torque(Drive& drive, ObjectRow row) {
   if (row == "target_torque"_object) drive.state().target.given_up = false;
 }
 
-/// The direction is that of the torque or, without torque, that in which the axis drifts.
+/// A limit switch counts in the direction of the torque or, without torque, in the direction in
+/// which the axis drifts.
 void advance(Drive& drive) {
   const double target = real(drive, "target_torque"_object);
   const bool drifts = target == 0.0 && drifts_into_limit_switch(drive);
