@@ -20,7 +20,7 @@
 
 namespace vdrive {
 
-/// Block::effects of a block without effects.
+/// Value of Block::effects if no axis of the block has effects (plant/effects.hpp).
 inline constexpr std::uint32_t kNoEffects = 0xFFFF'FFFF;
 
 /// Up to kLanes axes of one coupling, stepped together; see drive/block.hpp.
