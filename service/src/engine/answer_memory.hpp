@@ -22,8 +22,8 @@ enum class Fate : std::uint8_t {
 
 /// Remembers which messages have arrived from each sender, and their answers, so that a message
 /// acts once, however often it arrives. Fixed size: nothing allocates after construction, unless
-/// the assignment of an answer does. Unused room costs no memory. When the table is full, a new
-/// sender replaces the sender whose last message is the oldest.
+/// the assignment of an answer does. Slots never used cost no memory. When the table is full, a
+/// new sender replaces the sender whose last message is the oldest.
 template <typename Answer>
 class AnswerMemory {
  public:

@@ -9,8 +9,8 @@
 
 namespace vdrive::service {
 
-/// Writes objects of an axis, among them the controlword: one that begins a halt also cancels the
-/// frames that wait for the axis. Only writes that may begin a halt need an AxisWriter.
+/// Writes objects of an axis, among them the controlword. A controlword that begins a halt also
+/// cancels the frames that wait for the axis. Only writes that may begin a halt need an AxisWriter.
 class AxisWriter {
  public:
   AxisWriter(BenchAxes& axes, FrameSchedule& schedule);

@@ -107,7 +107,8 @@ std::optional<JournalNews> BenchAxes::next_journal_news() {
 void BenchAxes::record(const JournalEntry& entry) {
   if (journal_ != nullptr) journal_->record(entry, author_);
   const auto* const refusal = std::get_if<JournalRefusal>(&entry);
-  if (refusal != nullptr && refusal->address.index == 0) return;  // index 0 identifies marks
+  // In replies, index 0 identifies a mark (wire::WrittenMark) and not a write.
+  if (refusal != nullptr && refusal->address.index == 0) return;
   writes_.put(entry, author_);
   black_box_.record(entry, author_);
 }

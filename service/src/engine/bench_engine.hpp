@@ -35,7 +35,7 @@ namespace vdrive::service {
 /// The bench without clock and network: carries out arrivals, steps the axes, and puts answers,
 /// events and images into the outbox. Belongs to one thread. It takes no lock and, once warm,
 /// allocates nothing. It owns the classes that do the work and calls them in the order of a tick;
-/// none of them knows it.
+/// none of these classes knows the engine.
 class BenchEngine {
  public:
   /// The last completed tick is 0 until `start_at`.
@@ -76,8 +76,8 @@ class BenchEngine {
   ///         which a single request may cancel.
   [[nodiscard]] bool can_answer() const noexcept;
 
-  /// Carries out a command frame or a request, or refuses it. Requests for `steps` are refused
-  /// here: in other clock modes no client may let time pass.
+  /// Carries out a command frame or a request, or refuses it. Requests that let time pass are
+  /// refused: in lock-step they belong to `steps`, in other clock modes no client may make them.
   void handle(Arrival& arrival);
 
   /// Called by the thread that will step, once its scheduling is set: the threads that help it get

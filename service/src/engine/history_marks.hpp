@@ -9,7 +9,8 @@
 
 namespace vdrive::service {
 
-/// Adds a mark to the objects of an answer that reports history. @return the mark
+/// Adds a mark (vdrive/wire/written.hpp) to the objects of an answer that reports history.
+/// @return the mark
 inline msg::ObjectResult& add_mark(wire::WrittenMark mark, std::uint64_t value, msg::Reply& reply) {
   auto& entry = reply.objects.emplace_back();
   entry.subindex = static_cast<std::uint8_t>(mark);

@@ -23,7 +23,7 @@ class MasterWatch {
   /// silence.
   void watch();
 
-  /// Follows a change of the clock's rate: the time of every master restarts.
+  /// Follows a change of the clock's rate: the silence of every master counts from now.
   void follow_rate();
 
   /// Follows a jump of the tick number, which does not count as silence of a master.

@@ -14,7 +14,7 @@
 namespace vdrive::service {
 
 /// The command frames that wait for their tick, ordered by tick, then by arrival. Fixed size;
-/// commands are swapped in and out, so nothing allocates. Unused room costs no memory.
+/// commands are swapped in and out, so nothing allocates. Slots never used cost no memory.
 class PendingFrames {
  public:
   static constexpr std::size_t kCapacity = Outbox::kPendingFrames;

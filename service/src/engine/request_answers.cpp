@@ -120,7 +120,8 @@ void RequestAnswers::add_statuses(const msg::Request& request, OutgoingReply& ou
   outgoing.axes.resize(numbers.size());
   for (std::size_t place = 0; place < numbers.size(); ++place) {
     const std::size_t axis = axes_.index_of_checked(numbers[place]);
-    wire::ShownAxis& shown = outgoing.axes[place];  // in place: a copy would stall on its writes
+    // Filled in place: copying what was just written would stall the processor.
+    wire::ShownAxis& shown = outgoing.axes[place];
     shown.number = numbers[place];
     shown.tick = clock_.tick();
     shown.owner = masters_.owner(axis);

@@ -28,7 +28,8 @@ class Requests {
   /// Makes the checks that apply to every request. @return REASON_NONE, or why it is refused
   [[nodiscard]] Reason check(const Arrival& arrival) const;
 
-  /// Then makes the checks of the row of its kind: that there is one, the clock mode, a session.
+  /// Makes the checks that depend on the kind, after check(): the kind exists, the clock mode
+  /// allows it, and the request has a session if the kind needs one.
   /// @return REASON_NONE, or why it is refused
   [[nodiscard]] Reason check_kind(const msg::Request& request) const;
 

@@ -20,8 +20,8 @@ constexpr std::size_t kMostObjects = msg::MAX_OBJECTS_PER_REQUEST;
 /// An entry, preceded by the marks of its tick, its author or session, and its state.
 constexpr std::size_t kItemWithMarks = 4;
 
-/// @return whether a state shows the object: it shows all objects that may have been written
-/// before.
+/// @return whether the values listed for a state include the object, as they do for every object
+///         that may have been written before that state.
 constexpr bool is_shown(const ObjectDescription& row) noexcept {
   return row.access == Access::read_write && row.change != Change::memory;
 }
