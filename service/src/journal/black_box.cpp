@@ -140,7 +140,8 @@ void BlackBox::record_tick(const AxisBank& bank, std::uint64_t tick) noexcept {
   if (is_complete(segment)) begin_segment(bank, tick, Segment::Cause::continued);
 }
 
-/// Segments are only dropped as a unit, so one also ends once it takes a quarter of the room.
+/// Ends a segment early once it takes a quarter of the room, because dropping it would lose all of
+/// its entries.
 bool BlackBox::is_complete(const Segment& segment) const noexcept {
   return segment.ticks >= segment_ticks_ ||
          segment.entries > blocks_.capacity() / 4 * kEntriesOfBlock;

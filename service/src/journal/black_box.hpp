@@ -34,7 +34,7 @@ struct BoxEntry {
 
   std::int64_t value = 0;
   std::uint32_t code = 0;
-  std::uint16_t axis = 0;  ///< index on the bench; for an event its number, 0 = the bench
+  std::uint16_t axis = 0;  ///< index on the bench; for an event the number; 0 = bench
   ObjectAddress address{};
   Kind kind = Kind::ticks;
   JournalChange::Kind change = JournalChange::Kind::write;
@@ -78,8 +78,8 @@ class BlackBox {
   /// @return the size of a snapshot [bytes].
   [[nodiscard]] std::size_t state_size() const noexcept { return segments_[0].state.size(); }
 
-  /// Starts recording. Call it before the first change, or once the number of the first tick is
-  /// known; until then the record functions do nothing.
+  /// Starts recording; until then the record functions do nothing. To be called before the first
+  /// change, and again when the number of the first tick becomes known.
   void begin(const AxisBank& bank, std::uint64_t tick);
 
   // NOLINTBEGIN(bugprone-exception-escape): all that they fill has its room from the start

@@ -210,7 +210,7 @@ void Journal::record_tick(const AxisBank& bank, std::uint64_t tick) noexcept {
 
 void Journal::start_losing() noexcept {
   if (!is_recording()) {
-    return;  // it ended while this thread waited for room
+    return;  // recording ended while this thread waited for room
   }
   losing_ = true;
   reported_loss_ = false;
@@ -226,7 +226,7 @@ void Journal::lose_tick(const AxisBank& bank, std::uint64_t tick) noexcept {
   Slot* const slot = open_slot();
   if (slot == nullptr) return;
   bank.save(*spare_);
-  spare_used_.store(true, std::memory_order_relaxed);  // handed over by the push
+  spare_used_.store(true, std::memory_order_relaxed);  // push() publishes it to the writer
   slot->snapshot = spare_;
   slot->lost = lost_;
   push(Slot::End::resumed, tick);

@@ -67,7 +67,7 @@ class Journal {
   [[nodiscard]] std::optional<JournalNews> news() noexcept;
 
  private:
-  /// Entries, and what comes after them.
+  /// Entries, and the record that follows them (`end`).
   struct Slot {
     enum class End : std::uint8_t { none, tick, restored, resumed };
 

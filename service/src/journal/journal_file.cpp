@@ -272,8 +272,8 @@ void JournalReader::require_length(std::uint32_t kind, std::uint32_t length) con
   }
 }
 
-/// Counts the ticks in a chunk that the file ends in. It has no valid check, so the count only says
-/// how many ticks were written at least.
+/// Counts the ticks in the unfinished chunk at the end of the file. The chunk has no valid check,
+/// and more ticks may have been written than it contains.
 void JournalReader::count_torn_ticks() {
   try {
     while (kind_ == kRecords && position_ < chunk_.size()) {
