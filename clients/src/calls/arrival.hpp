@@ -59,13 +59,15 @@ class LimitSwitchWatch {
 
 /// @param at_rest the axis in the tick in which it arrived
 /// @param target absolute
-/// @param is_exact whether the axis can only be at rest at its target
-/// @return failed if a software limit cut the move short, or if the axis is at rest elsewhere.
+/// @param is_exact false: the axis may also come to rest elsewhere, because `target` may be wrong
+/// @return failed if a software limit cut the move short, or if `is_exact` and the axis is at rest
+///         elsewhere.
 [[nodiscard]] Outcome check_arrival(AxesCall& call, const AxisSnapshot& at_rest,
                                     std::int32_t target, bool is_exact = true);
 
-/// A set-point of profile position mode ends with the mode and with the control of its axis.
-/// @return failed if the axis shows that either has ended since.
+/// A set-point of profile position mode is void once the axis has left the mode or this session has
+/// lost control of the axis.
+/// @return failed if the axis shows that one of these has happened.
 [[nodiscard]] Outcome check_set_point(const AxisSnapshot& axis);
 
 /// Waits until the axis is at its target.

@@ -372,8 +372,8 @@ Answers AxesCall::collect(std::span<const SentFrames> sent, Outcome outcome) {
 
 // ---- waiting ---------------------------------------------------------------------------------
 
-/// For an axis, drive time may pass more slowly than wall time; if it does not pass at all, the
-/// time-out counts wall time.
+/// The time-out counts drive time, which may pass more slowly than wall time. If it does not pass
+/// at all, the time-out of a call for one axis counts wall time.
 Outcome AxesCall::observe_next(std::string_view awaited, std::span<const std::size_t> late) {
   if (driven_tick() >= deadline_) return timed_out(awaited, late);
   if (axes_.caller() == Caller::group) return axes_.advance(1);

@@ -42,7 +42,7 @@ struct Round {
 
   std::vector<Entry> entries;
   std::uint32_t flags = 0;  ///< FRAME_...
-  bool is_endless = false;  ///< its axes run on without an end: see Holdings
+  bool is_endless = false;  ///< its axes run until another command stops them: see HeldAxes
 };
 
 /// Whether several benches in real time act immediately or in a tick that all of them can meet.
@@ -188,8 +188,8 @@ class AxesCall {
 
   Answers collect(std::span<const SentFrames> sent, Outcome outcome);
 
-  /// By place: the last command of this call that replaced what its axis did before; if no command
-  /// of the call does that (such as a resume), its first command.
+  /// By place: the last command of this call that ended the previous motion of its axis; if none of
+  /// them does that (a resume, for example), the first command.
   [[nodiscard]] const std::vector<GivenCommand>& given() const noexcept { return given_; }
 
   /// Makes this call wait for commands that an earlier call has given to axes of this session.

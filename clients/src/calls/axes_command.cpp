@@ -163,7 +163,7 @@ bool AxesCommand::await_before() {
   const std::uint64_t begin = call_.tick();
   (this->*row_.await_before)();
   if (!has_pending() || call_.tick() == begin) return call_.tick() != begin;
-  // Changes in the meantime count; in a group also for an axis that needed nothing before.
+  // The axes may have changed during the wait; in a group, even one that needed nothing before.
   if (is_group()) is_pending_.assign(is_pending_.size(), true);
   if (is_group() || row_.command == EachCommand::reset_fault) judge();
   return true;
@@ -407,12 +407,13 @@ Answers AxesCommand::exchange() {
   if (stop_) {
     Answers answers = exchange_stop(all.front(), timing);
     if (answers.outcome || timing == Timing::at_once) return answers;
-    return exchange_stop(all.front(), Timing::at_once);  // better apart than not at all
+    // A stop in different ticks is better than none.
+    return exchange_stop(all.front(), Timing::at_once);
   }
   Answers answers = call_.exchange(all, timing);
   if (!answers.outcome && answers.tick != 0 && row_.command == EachCommand::resume) {
     const Round halt = call_.round_of(kHalt, every_axis);
-    (void)call_.exchange({&halt, 1}, Timing::at_once);  // no axis must continue alone
+    (void)call_.exchange({&halt, 1}, Timing::at_once);  // no axis may continue alone
   }
   return answers;
 }
@@ -545,8 +546,8 @@ void AxesCommand::judge_reset(std::size_t place, bool is_over) {
 
 // ---- finish ----------------------------------------------------------------------------------
 
-/// Waits until `done` has held once for every pending axis, at `from` or later; ends those for
-/// which it has not.
+/// Waits until `done` has held once for every pending axis, at `from` or later. If the wait fails,
+/// the axes for which it has not held get their outcomes; in a group, all get the same one.
 template <typename Done>
 void AxesCommand::await_each(std::string_view awaited, std::uint64_t from, const Done& done) {
   std::vector<bool> has_come(is_pending_.size(), false);

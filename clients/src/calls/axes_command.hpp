@@ -25,9 +25,9 @@ namespace vdrive::client {
 /// first refusal is the outcome for all, and an axis that is not enabled although it should be
 /// stops the others. All axes have the same time-out.
 ///
-/// The steps must be called in order; several commands, for more axes than fit in a frame, wait
-/// together. A command that stops axes also acts on axes of other sessions, whose owners keep them,
-/// and after an interrupt of the session.
+/// The steps must be called in order. Axes that do not fit in one frame are spread over several
+/// commands, which wait together. A command that stops axes also works after an interrupt of the
+/// session, and on axes of other sessions, which keep their owners.
 class AxesCommand {
  public:
   /// @param layout at most msg::MAX_AXES_PER_FRAME axes per bench, except for a stop
@@ -142,7 +142,7 @@ class AxesCommand {
   std::vector<Outcome> outcomes_;     ///< by place
   std::vector<bool> is_pending_;      ///< by place: the outcome is still open
   std::vector<bool> is_held_;         ///< by place, for a stop: this session owns the axis
-  bool is_left_out_ = false;          ///< an axis of the group that cannot take the command
+  bool is_left_out_ = false;          ///< an axis of the group cannot take the command
   std::uint64_t from_ = 0;            ///< tick from which on the axes show the effect
   std::vector<AxisSnapshot> at_end_;  ///< by place: when the last wait for the axis ended
 };

@@ -56,7 +56,7 @@ void add_settings(msg::AxisCommand& command, std::span<const Setting> settings) 
 }
 
 /// The endless motion that a call commands. However the call ends, the session does not release the
-/// axis before it was seen at rest: see Holdings.
+/// axis before it was seen at rest: see HeldAxes.
 class EndlessMotion {
  public:
   EndlessMotion(SessionCore& core, const AxesCall& call)
@@ -424,8 +424,8 @@ ObjectRow relative_limit_of(std::int16_t torque) {
                     : "negative_torque_limit_relative"_object;
 }
 
-/// Names the limits that can hold back a torque that no single limit forbids: 60E0h and 60E1h also
-/// limit the current.
+/// Names the limits that can keep a torque from being reached although it is below each of them:
+/// 60E0h and 60E1h also limit the current.
 std::string torque_limits(std::int16_t torque) {
   return object_text(kObjectRows["max_torque"_object].address) + " or " +
          object_text(vdrive::describe(relative_limit_of(torque)).address) +

@@ -157,7 +157,8 @@ Outcome ObservedAxes::next(BenchPart& part) {
     auto sample = core_->stream.next(
         part.target, *part.feed,
         {.timeout = kSamplePatience, .may_interrupt = true, .needs_drive_time = is_axis});
-    // Checked even while samples are waiting: a slow condition never catches up.
+    // Checked even while samples are waiting: if the caller's condition is slower than the stream,
+    // samples are always waiting.
     if (stop_.stop_requested() || core_->wakeup.is_interrupted()) {
       return Outcome::failed("interrupted");
     }

@@ -37,8 +37,8 @@ inline constexpr std::size_t kMostNamed = 4;
   return layout_of(std::span(&axis, 1));
 }
 
-/// Whether a call is of an axis or of a group. The call of an axis fails while its bench is paused,
-/// and its messages do not list axes; the call of a group waits while a bench is paused.
+/// Whether a call is for a single axis or for a group. For a single axis it fails while the bench
+/// is paused, and its messages do not list axes; for a group it waits while a bench is paused.
 enum class Caller : std::uint8_t { axis, group };
 
 /// The axes of one bench, as a call observes them.

@@ -44,7 +44,7 @@ class AnswerTime {
 /// For axes that got all controlwords of enabling in one tick and have not reached Operation
 /// enabled: a drive with a loop (5E20h:06) may have seen only the last one. Sends them one by one,
 /// each after the previous one has taken effect.
-/// @param places of these axes; axes elsewhere, in a fault or without a loop get nothing
+/// @param places of these axes; those already enabled, in a fault or without a loop get nothing
 /// @return whether an axis got a controlword.
 Result<bool> enable_step_by_step(AxesCall& call, std::span<const std::size_t> places);
 
