@@ -40,8 +40,9 @@ struct RunTime {
 /// A bench whose samples are older than this is absent.
 inline constexpr std::chrono::milliseconds kPresence{300};
 
-/// Runs and description parts that a directory keeps. When it is full, the run that has been silent
-/// longest is dropped if that is at least kForgetAfter; otherwise a new run is ignored.
+/// The most runs and description parts that a directory keeps. When it is full, a new run replaces
+/// the run that has been silent longest, if that silence is at least kForgetAfter; otherwise the
+/// new run is ignored.
 inline constexpr std::size_t kMostRuns = 1'024;
 inline constexpr std::size_t kMostParts = 4'096;
 inline constexpr std::chrono::seconds kForgetAfter{60};
@@ -86,7 +87,8 @@ class Directory {
   /// Records another live sample of this run: a status frame or an answer.
   void note_sample(const BenchKey& key, std::uint64_t tick, Clock::time_point now);
 
-  /// Records a status frame or a state of this run. Out of order, the newest counts.
+  /// Records the tick of a status frame or a state of this run. Older ticks than the last are
+  /// ignored.
   void note_time(const BenchKey& key, const RunTime& time);
 
   /// Records that this participant sent a live sample of the run, and is its sender from now on.

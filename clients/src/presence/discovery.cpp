@@ -29,7 +29,7 @@ std::string host_of(std::string_view place) {
                                          : std::string(place.substr(found + kBefore.size()));
 }
 
-// A service that had no room for this participant reads its announcement again when it changes.
+// A service that had no room for this participant reads the announcement again only if it changes.
 constexpr milliseconds kAnnounceAgain{1'000};
 
 /// @return the number of the bench whose service has a participant of this name; nothing for any

@@ -103,8 +103,9 @@ class Discovery {
   /// @return the run of the bench that is present now; nothing if there is none.
   [[nodiscard]] std::optional<Target> present_target(std::uint32_t bench) const;
 
-  /// @return as present_target(), provided that it continues `run`. A restarted service does; but
-  ///         if a bench cannot return, another run with its number is a different bench.
+  /// @return as present_target(), but only a run that continues `run`. The run of a restarted
+  ///         service does so. If a bench cannot return, another run with its number is a different
+  ///         bench.
   /// @param run incarnation 0 = none yet: any run continues it
   [[nodiscard]] std::optional<Target> continuation_of(const BenchKey& run) const;
 
@@ -119,8 +120,8 @@ class Discovery {
   ///         without one.
   [[nodiscard]] Unit unit_of(const AxisId& axis) const;
 
-  /// @return the total time for which this program did not run since this object exists, as far as
-  ///         it makes benches appear silent.
+  /// @return the total time for which this program was stopped since this object was constructed; 0
+  ///         if such a pause does not make benches appear silent.
   [[nodiscard]] Clock::duration own_pauses() const;
 
   /// @return the present time minus own_pauses().
@@ -190,7 +191,7 @@ class Discovery {
   /// is up.
   /// @param number if the search is for one bench only
   template <typename Condition>
-  /// @param settling for a search that ends when it has settled
+  /// @param settling the search also looks again at its next_end(); nullptr = none
   void search(std::optional<std::uint32_t> number, const Condition& condition,
               const SearchCompletion* settling = nullptr);
   /// Called with the lock held.
@@ -212,7 +213,7 @@ class Discovery {
   std::string seen_ = text_of({}, {});
   wire::Subscription<msg::BenchState> state_subscription_;
   wire::Subscription<msg::BenchDescription> description_subscription_;
-  PeriodicThread pulse_;  ///< shows that the program is running, where that matters
+  PeriodicThread pulse_;  ///< calls own_pauses(), so that a pause is noticed
 };
 
 }  // namespace vdrive::client

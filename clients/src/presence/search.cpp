@@ -10,9 +10,9 @@ namespace {
 
 using std::chrono::milliseconds;
 
-// If no further bench appears for this time, all present benches have been found. On a busy machine
-// or a slow network, the first sign of a bench already took long: there the time is kSettleTimes
-// times as long as that took.
+// If no further bench appears for this time, all present benches have been found. If the first sign
+// of a bench took long, on a busy machine or a slow network, the wait is kSettleTimes times as long
+// as that took.
 constexpr milliseconds kSettle{150};
 constexpr int kSettleTimes = 4;
 
@@ -23,7 +23,7 @@ constexpr int kTimesForAnnounced = 3;
 /// library, in the service, in the library here, in the search.
 constexpr int kThreadsOfMessage = 4;
 
-/// On a stalled machine, a search ends after this many times its time.
+/// The delay of the machine lengthens a search by at most this many times its time-out.
 constexpr int kMostTimesForDelay = 3;
 
 /// A message mentions the delay of the machine from this value on: smaller delays are usual and

@@ -24,9 +24,9 @@ struct SearchFindings {
 /// @return such as "seen: 3 other participants, 1 service that has not described its bench".
 [[nodiscard]] std::string text_of(const SearchFindings& findings, SearchClock::duration delay);
 
-/// The end of a search. A participant that has announced itself as a service is worth a longer
-/// wait. A machine that runs this thread late also delays every thread that a description passes
-/// through, here and in the service.
+/// Decides when an unsuccessful search ends. It waits longer for a participant that has announced
+/// itself as a service. It also waits longer on a machine that runs this thread late, because such
+/// a machine delays every thread that a description passes through, here and in the service.
 class SearchTime {
  public:
   SearchTime(SearchClock::time_point begin, std::chrono::milliseconds timeout);

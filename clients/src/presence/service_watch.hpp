@@ -11,8 +11,8 @@
 
 namespace vdrive::client {
 
-/// Detects changes in the presence of services, from wire::Presence. Time is passed as an argument.
-/// Not thread-safe.
+/// Detects changes in the presence of services. Time is passed as an argument:
+/// wire::Presence::running_time. Not thread-safe.
 class ServiceWatch {
  public:
   /// @return the changes since the last call, by bench.
