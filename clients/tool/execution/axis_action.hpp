@@ -40,8 +40,8 @@ struct AxisAction {
   Record (*result_record)(const client::Axis& axis) = nullptr;
 };
 
-/// The arguments of such a command. Several axes get it together; a failure of one does not keep it
-/// from the others.
+/// The arguments of such a command. Several axes get it together; if it fails for one of them, the
+/// others still get it.
 struct AxisActionCommand {
   const AxisAction* action = nullptr;
   std::vector<std::string> axes{};

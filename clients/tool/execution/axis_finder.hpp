@@ -46,8 +46,9 @@ class AxisFinder {
   /// @return the name that the user has typed for an axis.
   [[nodiscard]] std::string label_of(const client::AxisId& axis) const;
 
-  /// @return the outcome with the typed name in its message, which has the axis number only: "axis
-  ///         gantry_left (7.1)"; if another session is in the way, with the next step.
+  /// @return the outcome, with the name that the user has typed added to the axis number in its
+  ///         message: "axis gantry_left (7.1)". If another session is in the way, the next step is
+  ///         added too.
   [[nodiscard]] client::Outcome named(const client::Outcome& outcome) const;
 
   /// @return [UU] of this axis.

@@ -17,7 +17,7 @@ namespace vdrive::tool {
 struct AxisReport {
   std::string_view command;  ///< its name
   client::Outcome outcome;
-  bool has_arrived = false;     ///< the motion has ended: the rest of the speed is not shown
+  bool has_arrived = false;     ///< the motion has ended: the remaining speed is not shown
   bool names_next_step = true;  ///< a refusal because of the power state names the command needed
                                 ///< first
   std::optional<Record> result_record{};  ///< reported in place of the state

@@ -27,7 +27,7 @@ void leave_screen_before_exit(Interrupt& interrupt, Terminal& terminal);
 /// @return ExitCode::usage
 ExitCode report_usage(const std::string& message, bool is_json, Terminal& terminal);
 
-/// Runs `work` so that a signal interrupts it once it has armed the interrupt.
+/// Runs `work`. Once `work` has armed the interrupt, a signal interrupts it.
 /// @param work takes the interrupt, returns an outcome
 template <typename Work>
 ExitCode run_interruptible(const Program& program, const Work& work) {
