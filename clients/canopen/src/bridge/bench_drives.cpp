@@ -185,7 +185,8 @@ void BenchDrives::cycle_power(std::size_t place) {
   });
 }
 
-/// After the loop has read everything of this turn, so that it fits into one frame.
+/// Hands the set-points over once the loop has read everything that is waiting, so that they go
+/// into one frame.
 void BenchDrives::note_set_points() {
   in_loop([](BenchDrives& drives) {
     if (drives.nodes_.has_set_points()) drives.link_->bench().send(drives.nodes_.take_set_points());

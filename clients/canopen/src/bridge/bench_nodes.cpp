@@ -42,9 +42,9 @@ void collect_identifiers(const Node& node, std::vector<std::uint16_t>& identifie
   }
 }
 
-/// A second device with the id of a node, by mistake: it boots, also answers each SDO request, and
-/// obeys NMT and SYNC. Its drive never changes: each object has its default, and writing has no
-/// effect.
+/// Simulates a second device that has the id of a node by mistake: it boots, also answers each SDO
+/// request, and obeys NMT and SYNC. Its drive never changes: each object has its default, and
+/// writing has no effect.
 class DuplicateNode final : private NodeHost {
  public:
   using Send = std::function<void(const Frame& frame)>;
@@ -273,8 +273,8 @@ class BenchNodes::Slot final : public NodeHost {
   std::unique_ptr<DuplicateNode> duplicate_;
   std::vector<std::uint16_t> identifiers_;
   std::optional<std::uint64_t> known_changes_;  ///< Node::parameter_changes() of identifiers_
-  std::optional<DriveAccess> accessed_;         ///< pending, as the node knows it
-  std::uint32_t last_ticket_ = 0;               ///< of it, as NodeDrives know it
+  std::optional<DriveAccess> accessed_;         ///< pending, with the node's ticket
+  std::uint32_t last_ticket_ = 0;               ///< of that access in NodeDrives
   std::vector<ObjectAddress> read_objects_;     ///< for its TPDOs
   std::optional<std::uint64_t> asked_changes_;  ///< Node::parameter_changes() of read_objects_
   std::uint32_t read_ticket_ = 0;               ///< of the last request for them
@@ -338,7 +338,7 @@ void BenchNodes::update(std::span<const client::AxisSnapshot> drives, DriveTime 
 void BenchNodes::complete(std::size_t place, std::uint32_t ticket, const DriveAnswer& answer) {
   if (!is_running_) return;
   slots_.at(place)->complete(ticket, answer);
-  note_changes(place);  // of the request that waited for the answer
+  note_changes(place);  // the answered request may have changed parameters
   settle();
 }
 

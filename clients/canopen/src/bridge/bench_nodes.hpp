@@ -29,8 +29,8 @@ struct NodePlace {
 void add_counters(NodeCounters& sum, const NodeCounters& more);
 
 /// The requests of a bench's nodes to its drives; `place` is the position in the list of NodePlace.
-/// They are made outside of all calls of nodes, so BenchNodes::complete() may be called from
-/// within.
+/// They are made after all calls of nodes have returned, so each of these functions may call
+/// BenchNodes::complete().
 class NodeDrives {
  public:
   virtual ~NodeDrives() = default;

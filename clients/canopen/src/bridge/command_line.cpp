@@ -152,7 +152,7 @@ class EndSignals final {
 };
 
 int serve(const Settings& settings) {
-  // A client may be gone when its answer is written: that is an error of this write, no end.
+  // A client may be gone when its answer is written: only that write must fail, not the program.
   std::signal(SIGPIPE, SIG_IGN);  // NOLINT(cert-err33-c): it cannot fail for this signal
   CanopenBridge bridge(settings);
   std::optional<wire::LibraryLog> log;

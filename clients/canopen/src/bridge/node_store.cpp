@@ -82,7 +82,7 @@ class StoreFile final {
   /// Unlocks explicitly: a flock belongs to all processes that share the open file, so a process
   /// forked from this one would keep it.
   ~StoreFile() {
-    static_cast<void>(::flock(number_, LOCK_UN));  // an unlocked file just stays
+    static_cast<void>(::flock(number_, LOCK_UN));  // no effect without a lock
     ::close(number_);
   }
 

@@ -204,7 +204,8 @@ void ServedBus::note_refused_set_points(const client::SetPointRefusal& refusal,
                              std::string(vdrive::describe(refusal.code)));
 }
 
-/// Of the bench that is furthest ahead: each has its own clock, and all pass the same SYNCs.
+/// The time of the bench that is furthest ahead: each bench has its own clock, and SYNC advances
+/// all of them.
 std::chrono::microseconds ServedBus::drive_time() const {
   DriveTime time{};
   for (const auto& [number, bench] : benches_) time = std::max(time, bench.nodes().now());

@@ -72,7 +72,7 @@ class ServedBus final : public BusHost, private bridge::BenchHost {
   [[nodiscard]] std::vector<std::string> left_out() const;
 
   /// @return such as "bus 1: 3 nodes (1 to 3), socketcand 127.0.0.1:29536, no gateway". It also
-  ///         names absent servers, since naming one kind of server replaces the default one.
+  ///         names the kinds of server that are absent: naming one kind replaces the default one.
   [[nodiscard]] std::string description() const;
 
   /// Flushes the log of the bus.
