@@ -114,7 +114,8 @@ std::optional<ByteView> Guard::with_plausible_numbers(ByteView datagram, Clock::
   if (mode_ == Mode::closed) return datagram;
   const WriterNumbers::Report report = numbers_.receive(datagram, now, renumbered);
   if (report.astray && !keeps_leases_) {
-    // Nobody here can make the library start over: it processes the numbers as without the guard.
+    // The guard cannot make the library start over here, so the library processes the numbers as it
+    // would without the guard.
     numbers_.removed(*report.astray);
     return datagram;
   }

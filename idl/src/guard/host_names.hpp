@@ -18,8 +18,8 @@ namespace vdrive::wire {
 /// Hosts given by name. The library takes only addresses, for the lifetime of its participant, but
 /// a name may change its address at any time. So the library gets a stand-in for each name, an
 /// address from 240.0.0.0/4 that no host has (RFC 1112, clause 4), and what it sends there goes to
-/// the present addresses of the name. So does what it sends to a former address of a server: Fast
-/// DDS 2.9 answers a server that has moved at the address announced before
+/// the present addresses of the name. The same applies to datagrams for a former address of a
+/// server: Fast DDS 2.9 answers a server that has moved at its previously announced address
 /// (PDPClient::removeRemoteEndpoints). These datagrams leave from sockets of this object, because
 /// those of the library keep statistics by address, and Debian's build of 2.9 crashes at an address
 /// that was never announced to it (OutputTrafficManager::set_statistics_message_data). The library

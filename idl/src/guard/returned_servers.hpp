@@ -10,7 +10,8 @@
 
 namespace vdrive::wire {
 
-/// Discovery servers that were restarted before the library has given up the former one.
+/// Discovery servers that were restarted before the library had given up their previous run, here
+/// the former server.
 ///
 /// A server has the same prefix after a restart, even on another host, so the library takes it for
 /// the one that it knows: its reader waits for numbers after those of the former server, and its

@@ -146,7 +146,8 @@ bool WriterNumbers::has_jumped(const Numbers& numbers, Writer& writer, Clock::ti
   return since >= kDoubt && since <= kMemory;
 }
 
-/// @return whether the library may skip what these plausible numbers make it skip.
+/// Records plausible numbers of a writer.
+/// @return false if they would make the library skip too many numbers in this second.
 bool WriterNumbers::take(const Numbers& numbers, Writer& writer, Clock::time_point now) {
   // Data proves nothing about a writer that sends heartbeats: without those, nothing is
   // acknowledged.
@@ -156,7 +157,8 @@ bool WriterNumbers::take(const Numbers& numbers, Writer& writer, Clock::time_poi
   const std::int64_t done = numbers.is_heartbeat() ? std::max(writer.done, numbers.first - 1)
                                                    : writer.done + numbers.skipped;
   if (done != writer.done && !may_skip(done - writer.done, now)) return false;
-  // The numbers that a gap skips need not come next; only an acknowledgement shows that.
+  // A gap may skip numbers further on: only an acknowledgement shows that the library has got
+  // there.
   if (numbers.is_heartbeat()) writer.done = done;
   return true;
 }
