@@ -16,9 +16,9 @@ namespace {
 /// By then a node has followed its NMT start.
 constexpr Time kStartTime = std::chrono::seconds(1);
 
-/// Thresholds for the distance over the last positions, and for the last step of it. Noise at
-/// standstill stays below them whatever the unit is, because it is small compared with the travel
-/// of the axis.
+/// Thresholds of is_moving(): the distance covered by the last positions, and the last step of it.
+/// Noise at standstill stays below them whatever the unit is, because it is small compared with the
+/// travel of the axis.
 constexpr std::int64_t kMovingWay = 10;      // [user units]
 constexpr std::int64_t kMovingStep = 3;      // [user units]
 constexpr std::int64_t kMovingShare = 1000;  // of the total travel of the axis
@@ -150,7 +150,8 @@ void AxisTrack::apply(const Write& write, Time now) {
 void AxisTrack::apply(const Reading& reading) {
   if (reading.is_of_the_master) facts |= Fact::kReads;
   if (reading.code != 0) return;
-  // A value from before the source started: the next controlword may have an edge against it.
+  // A controlword from before the source started still matters: the edges of the next one are
+  // relative to it.
   if (reading.object == objects::kControlword) {
     if (!has_controlword) controlword = static_cast<std::uint16_t>(reading.value);
     has_controlword = true;

@@ -145,7 +145,7 @@ void HandshakeRules::fall(std::uint16_t word, const Context& context) {
 void HandshakeRules::stay(const Write& write, const Context& context) {
   if (targets_without_edge_ == 0 || !edge_ || !edge_->is_acknowledged) return;
   if (!context.track.is_in(OperatingMode::profile_position)) return;  // a level, or unused
-  // A PDO repeats its controlword each cycle: a master may prepare its next target for a while.
+  // A PDO repeats its controlword each cycle, also while the master prepares its next target.
   const bool is_meant = write.channel != Channel::pdo;
   if (!is_meant && context.now() - first_without_edge_ < kAcknowledgeTime) return;
   targets_without_edge_ = 0;

@@ -20,7 +20,7 @@ using namespace std::chrono_literals;
 constexpr std::int64_t kStepsOfAJump = 20;  // a jump is this many times the longest step
 constexpr std::uint32_t kStepsToKnow = 10;
 constexpr Time kStandingTarget = 1s;      // an older one is not streamed
-constexpr std::int64_t kCertainStep = 4;  // [user units]: above it, each cycle has a new target
+constexpr std::int64_t kCertainStep = 4;  // [user units]: after such a step, a new target is due
 constexpr double kGap = 1.5;              // [periods]
 constexpr double kPause = 20;             // [periods]: the stream has ended, and another one starts
 constexpr double kSpeedTolerance = 1.05;
@@ -281,7 +281,7 @@ void MotionRules::watch_following(const Context& context) {
 void MotionRules::watch_error(const Context& context) {
   const AxisTrack& track = context.track;
   const std::int64_t error = std::abs(std::int64_t{*track.following_error});
-  if (error <= largest_error_) return;  // most samples: the search for the window costs more
+  if (error <= largest_error_) return;  // most samples end here: finding the window takes longer
   const std::int64_t window = track.values.find(objects::kFollowingWindow).value_or(0);
   if (window <= 0 || window >= std::numeric_limits<std::uint32_t>::max()) return;
   if (2 * error <= window) return;

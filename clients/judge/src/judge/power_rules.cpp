@@ -12,8 +12,8 @@ namespace {
 using namespace std::chrono_literals;
 
 constexpr Time kReactionToFault = 100ms;  ///< for messages sent before the master saw the fault
-constexpr Time kKeptBit = 500ms;  ///< a PDO repeats its controlword: this long is no accident
-constexpr Time kAnswerByChange = 500ms;  ///< a drive that sends changes has none after this time
+constexpr Time kKeptBit = 500ms;  ///< a PDO repeats its controlword: shorter repeats do not count
+constexpr Time kAnswerByChange = 500ms;  ///< without a status by then, nothing has changed
 constexpr Time kStormTime = 10s;
 constexpr std::size_t kStormResets = 5;
 constexpr Time kPowerOnTime = 1s;

@@ -156,8 +156,8 @@ void LiveJudge::judge_sample(const Observation& sample) {
   }
 }
 
-/// A status shows how many set-points the drive has ignored since the previous one: these are the
-/// last ones.
+/// A status shows how many set-points the drive has ignored since the previous status. They are
+/// taken to be the last ones written in that time.
 void LiveJudge::judge_writes_before(const Observation& sample) {
   const auto end = std::ranges::find_if(writes_, [&](const AxisWrite& write) {
     return write.tick >= sample.tick;

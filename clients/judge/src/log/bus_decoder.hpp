@@ -49,7 +49,7 @@ struct DecoderSettings {
   const canopen::DataSheet* sheet = nullptr;  ///< of these nodes; must outlive the decoder
 };
 
-/// Numbers of frames; those in the other members were not judged.
+/// Counts of all frames, and of the kinds of frames that were not judged.
 struct DecoderCounts {
   std::uint64_t frames = 0;
   std::uint64_t foreign = 0;          ///< not CANopen in the predefined connection set

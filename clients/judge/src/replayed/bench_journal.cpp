@@ -91,7 +91,8 @@ class JournalJudge final : public service::ReplayObserver {
   void stepped(std::uint64_t tick, const AxisBank& bank) override {
     tick_ = tick;
     for (std::size_t axis = 0; axis < bank.size(); ++axis) {
-      ignored_[axis] = bank.ignored_set_points(axis);  // of this tick: no later write is affected
+      // Set-points ignored up to this tick must not be attributed to a later write.
+      ignored_[axis] = bank.ignored_set_points(axis);
       const Shown shown = shown_by(bank.status(axis));
       const bool is_same = shown == std::exchange(shown_[axis], shown);
       if (!is_same || tick % kTicksOfTheSame == 0) take(axis, shown);
