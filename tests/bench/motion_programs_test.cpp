@@ -157,7 +157,7 @@ class MotionProgram {
     const bool any_moves = std::ranges::any_of(known_, [](const Known& axis) {
       return (axis.runs || axis.moves) && !axis.is_halted;
     });
-    return any_moves ? "still moves" : "";
+    return any_moves ? "still moving" : "";
   }
 
   // The actions of a program.

@@ -105,7 +105,7 @@ TEST(NodeStore, NoticesAFileThatIsCutAtTheEndOfALineAndReplacesIt) {
     KeptStore kept(directory.path());
     EXPECT_THAT(kept.store.find(1), IsEmpty()) << text;
     ASSERT_EQ(kept.lines.size(), 1U) << text;
-    EXPECT_THAT(kept.lines[0], HasSubstr("can0.node-1.parameters: it is not whole")) << text;
+    EXPECT_THAT(kept.lines[0], HasSubstr("can0.node-1.parameters: it is incomplete")) << text;
     EXPECT_TRUE(kept.store.save(1, {})) << "defaults, too, are written over it";
     EXPECT_TRUE(std::filesystem::file_size(file) > 0) << text;
   }

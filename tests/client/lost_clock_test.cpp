@@ -43,7 +43,7 @@ TEST(StepClock, DetectsARestartAndDoesNotStepTheNewService) {
   ASSERT_TRUE(other.find_bench(2));
   const auto lost = sut->step(3);
   EXPECT_EQ(lost.outcome().kind(), OutcomeKind::lost);
-  EXPECT_THAT(lost.outcome().message(), HasSubstr("bench 2 restarted"));
+  EXPECT_THAT(lost.outcome().message(), HasSubstr("bench 2 was restarted"));
   EXPECT_EQ(sut->step(3).outcome().kind(), OutcomeKind::lost);
   EXPECT_EQ(*other.step(2, 0), 0U);
 }

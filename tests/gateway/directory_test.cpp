@@ -174,7 +174,7 @@ TEST(Services, HaveNamesTypesAndSchemas) {
     EXPECT_EQ(service.request_schema["type"], "object") << service.name;
     EXPECT_EQ(service.response_schema["required"], Json({"ok", "outcome", "message", "code"}));
   }
-  EXPECT_EQ(names.size(), 26U);
+  EXPECT_EQ(names.size(), 27U);
 }
 
 TEST(Services, AnswerWithTheOutcomesOfTheClientLibrary) {

@@ -291,8 +291,8 @@ def test_records_without_short_names_as_of_an_earlier_version_are_saved(vdrive_s
 
 
 @pytest.mark.parametrize("name, change, reason", [
-    ("run.txt", lambda r: r, "ends in .csv, .jsonl or .mcap"),
-    ("run", lambda r: r, "ends in .csv, .jsonl or .mcap"),
+    ("run.txt", lambda r: r, ".csv, .jsonl or .mcap"),
+    ("run", lambda r: r, ".csv, .jsonl or .mcap"),
     ("run.mcap", lambda r: broken(r, period=None), "needs the period of a tick"),
     ("run.csv", lambda r: broken(r, frames=r.frames[:0]), "the recording has no sample"),
     ("run.csv", lambda r: broken(r, frames=r.frames[::-1]), "tick .* follows the tick"),

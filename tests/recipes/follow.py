@@ -188,16 +188,16 @@ RECIPES = [
               '    TOPIC("scratch", Scratch, .depth = 1, .instances = 1024),')),
     Recipe(
         "A kind of request",
-        after(IDL, "REQUEST_READ_WRITES = 17;", "const uint32 REQUEST_SCRATCH = 18;"),
-        after(REQUEST_KINDS, "Row{Kind::read_writes",
+        after(IDL, "REQUEST_READ_WINDOW = 20;", "const uint32 REQUEST_SCRATCH = 21;"),
+        after(REQUEST_KINDS, "Row{Kind::read_window",
               "      Row{Kind::scratch, Uses{&Asked::session, &Asked::snapshot}, By::session, At::standing},"),
         before(REQUEST_HANDLERS, "struct HandlerRow {", REQUEST_HANDLER),
         after(REQUEST_HANDLERS, "HandlerRow{msg::RequestKind::read_writes",
               "    HandlerRow{msg::RequestKind::scratch, scratch},"),
         before("clients/src/base/ask.hpp", "}  // namespace vdrive::ask",
                REQUEST_CALL),
-        after("docs/reference/wire.md", "`REQUEST_READ_WRITES`",
-              "| 18 | `REQUEST_SCRATCH` | `session`, `snapshot` | session | standing | nothing |")),
+        after("docs/reference/wire.md", "`REQUEST_READ_WINDOW`",
+              "| 21 | `REQUEST_SCRATCH` | `session`, `snapshot` | session | standing | nothing |")),
     Recipe(
         "A figure of a bench",
         after(IDL, "uint64 longest_silence_us;",
@@ -245,7 +245,7 @@ RECIPES = [
         grown("core/src/drive/faults.hpp", r"inline constexpr std::array<FaultCause, (\d+)>"),
         grown("core/src/drive/faults.hpp", r"return std::array<FaultCause, (\d+)>"),
         after("clients/include/vdrive/client/disturbance.hpp", "  connection_loss,", "  scratch,"),
-        after("clients/include/vdrive/client/disturbance.hpp", "choose another reaction",
+        after("clients/include/vdrive/client/disturbance.hpp", "select another reaction",
               '    DisturbanceRow{Disturbance::scratch, "scratch", "test_scratch"},')),
 ]
 

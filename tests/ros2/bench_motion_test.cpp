@@ -350,10 +350,12 @@ TEST(MotionCheck, PermitsAValueAtItsLimitAndNoneBeyond) {
 TEST(MotionCheck, RefusesAPositionThatNoSpeedOrRampReaches) {
   JointLimits still = FakeBench::limits();
   still.ramp = 0.0;
-  EXPECT_THAT(problem_with(CommandInterface::position, 1.0, still), HasSubstr("allows no motion"));
+  EXPECT_THAT(problem_with(CommandInterface::position, 1.0, still),
+              HasSubstr("speed limit or ramp is 0"));
   still = FakeBench::limits();
   still.velocity = 0.0;
-  EXPECT_THAT(problem_with(CommandInterface::position, 1.0, still), HasSubstr("allows no motion"));
+  EXPECT_THAT(problem_with(CommandInterface::position, 1.0, still),
+              HasSubstr("speed limit or ramp is 0"));
 }
 
 }  // namespace

@@ -348,11 +348,11 @@ INSTANTIATE_TEST_SUITE_P(
         Refused{"option_code_without_a_meaning",
                 "axes:\n  - number: 7\n    parameters:\n      0x60F2: 3",
                 "bench.yaml:4: axes[0].parameters.0x60F2 = 3: must be 0, 1 or 2"},
-        Refused{"direction_without_a_range",
-                "axes:\n  - number: 7\n    parameters:\n      0x60F2: 64",
-                "bench.yaml:4: axes[0].parameters.0x60F2 = 64: must be 0, 1 or 2, for bits 6 and 7 "
-                "need a modulo axis: set min_position_range_limit (607Bh:1) below "
-                "max_position_range_limit (607Bh:2)"},
+        Refused{
+            "direction_without_a_range", "axes:\n  - number: 7\n    parameters:\n      0x60F2: 64",
+            "bench.yaml:4: axes[0].parameters.0x60F2 = 64: must be 0, 1 or 2, because bits 6 and "
+            "7 need a modulo axis: set min_position_range_limit (607Bh:1) below "
+            "max_position_range_limit (607Bh:2)"},
         Refused{"parameter_with_few_values",
                 "axes:\n  - number: 1\n    parameters: {halt_option_code: 5}",
                 "bench.yaml:3: axes[0].parameters.halt_option_code = 5: must be 1 to 4"},
@@ -360,7 +360,7 @@ INSTANTIATE_TEST_SUITE_P(
                 "bench.yaml:3: axes[0].parameters.profil_velocity = 1: no such object (did you "
                 "mean 'profile_velocity'?); write its variable_name"},
         Refused{"wrong_subindex", "axes:\n  - number: 1\n    parameters: {\"0x607D:3\": 1}",
-                "bench.yaml:3: axes[0].parameters.0x607D:3 = 1: no such object: 607Dh has the "
+                "bench.yaml:3: axes[0].parameters.0x607D:3 = 1: no such object: 607Dh has "
                 "sub-indices 1 and 2"},
         Refused{"mistyped_mode", "clock: {mode: realtme}",
                 "bench.yaml:1: clock.mode = realtme: must be one of realtime, lockstep, freerun "

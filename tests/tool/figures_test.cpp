@@ -83,7 +83,7 @@ TEST(Measurement, IsPrintedAsATable) {
   const auto lines = measurement_lines(measurement());
   // 100 of 4,000 ticks are 2.5 %.
   EXPECT_THAT(lines, Contains(HasSubstr("1024 axes: 2.50 % of the ticks missed")));
-  EXPECT_THAT(lines, Contains(HasSubstr("holds 256 axes")));
+  EXPECT_THAT(lines, Contains(HasSubstr("can run 256 axes")));
   EXPECT_THAT(measurement_lines({}), Contains(HasSubstr("too busy")));
   EXPECT_THAT(lines, Contains(HasSubstr("p50 50.0 us, p99 80.0 us, 19000 a second")));
 }

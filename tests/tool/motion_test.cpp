@@ -95,8 +95,8 @@ TEST_F(MotionInLockStep, ATimeoutSaysWhereTheAxisIsAndThatItGoesOn) {
   EXPECT_THAT(
       late.errors,
       AllOf(HasSubstr(
-                " of 100000 UU (8789.06 deg), still moving at 100 UU/s (8.79 deg/s), some 1000 s "
-                "more"),
+                " of 100000 UU (8789.06 deg), still moving at 100 UU/s (8.79 deg/s), about 1000 s "
+                "left"),
             HasSubstr("; to stop it: vdrive halt 1.1")));
   EXPECT_EQ(call("halt 1.1").code, 0);
 }
