@@ -73,7 +73,7 @@ std::string refusal_of_choice(std::string_view text, const std::vector<std::stri
   if (std::ranges::find(words, text) != words.end()) return {};
   std::string list;
   for (const std::string& word : words) list += (list.empty() ? "" : ", ") + word;
-  return "'" + std::string(text) + "' must be one of " + list + suggestion(text, words);
+  return in_quotes(text) + " must be one of " + list + suggestion(text, words);
 }
 
 std::string take_integer(std::string& text, std::int64_t lowest, std::int64_t highest) {
