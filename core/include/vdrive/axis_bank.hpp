@@ -122,9 +122,9 @@ class AxisBank {
   /// axis has its initial values.
   void forget_stored(std::size_t axis) noexcept;
 
-  /// Reports that the master of this axis has stopped sending. The axis reacts as 6007h says in
-  /// Operation enabled and Quick stop active, and does nothing in other states. With 6007h = 1,
-  /// fault 8130h is latched.
+  /// Reports that the master of this axis has stopped sending. In Operation enabled and Quick stop
+  /// active the axis reacts as 6007h says; in other states it does nothing. With 6007h = 1, fault
+  /// 8130h is latched.
   void report_connection_loss(std::size_t axis) noexcept;
 
   /// A copy of the complete state, for `restore` of a bank built from the same configuration.

@@ -13,7 +13,7 @@
 namespace vdrive {
 
 /// Status image of one axis after one tick: every monitored object of the manual under its
-/// variable_name, plus what an observer needs in addition. Plain data, written once per tick.
+/// variable_name, and further members for observers. Plain data, written once per tick.
 struct AxisStatus {
   std::int32_t position_demand_value = 0;        ///< 6062h [user units]
   std::int32_t load_position_actual_value = 0;   ///< 6064h [user units]
@@ -87,7 +87,8 @@ struct StatusMember {
   DataType data_type = DataType::integer32;  ///< of the member
   bool is_published = false;                 ///< whether the status on the network contains it
   std::int64_t (*value)(const AxisStatus& status) noexcept = nullptr;
-  /// The type of the member holds every value of its object; other values are truncated.
+  /// The member can hold every value of its object; a `value` beyond the range of the member is
+  /// truncated.
   void (*set)(AxisStatus& status, std::int64_t value) noexcept = nullptr;
 };
 

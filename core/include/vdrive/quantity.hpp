@@ -21,9 +21,10 @@ enum class Dimension : std::uint8_t { position, velocity, acceleration, jerk };
 /// A quantity as written. The unit of an axis converts it to user units.
 struct WrittenQuantity {
   double value = 0.0;
-  std::string unit;  ///< of the position, without "/s" to "/s3"; "UU" if none was written; or "rpm"
+  /// The unit of the position, such as "deg" for 90deg/s; "UU" if none was written; or "rpm".
+  std::string unit;
 
-  /// @return whether it is the same number for every axis.
+  /// @return whether it needs no conversion and so means the same for every axis.
   [[nodiscard]] bool is_in_user_units() const { return unit == "UU"; }
 };
 
@@ -41,7 +42,7 @@ struct WrittenQuantity {
 /// @return the units that the axis accepts for a quantity, such as "mm/s, m/s, cm/s, um/s, UU/s".
 [[nodiscard]] std::string list_of_units(Dimension dimension, const Unit& unit);
 
-/// @return the suffix to the unit of a position: "", "/s", "/s2" or "/s3".
+/// @return the suffix that follows the unit of a position: "", "/s", "/s2" or "/s3".
 [[nodiscard]] std::string_view unit_ending(Dimension dimension) noexcept;
 
 /// @return the unit of an axis whose own unit is unknown: values are shown in UU only.

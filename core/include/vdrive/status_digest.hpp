@@ -10,10 +10,10 @@
 
 namespace vdrive {
 
-/// Check values over the status images of a bank, the same on every machine. If one member of one
-/// axis differs, `image` and the entry of the member in `members` always change, and the check
-/// value of its row changes except once in 2^32 cases. Member and row together locate the
-/// difference.
+/// Check values over the status images of a bank, the same on every machine. The axes are divided
+/// into rows. If one member of one axis differs, `image` and the entry of the member in `members`
+/// always change, and so does the check value of the row of the axis, except once in 2^32 cases.
+/// Member and row together locate the difference.
 struct StatusDigest {
   std::uint64_t image = 0;                              ///< over everything, in axis order
   std::array<std::uint32_t, kStatusMembers> members{};  ///< each over all axes
@@ -21,8 +21,8 @@ struct StatusDigest {
   friend bool operator==(const StatusDigest&, const StatusDigest&) = default;
 };
 
-/// @param axes_per_row at least 1
-/// @param rows receives one check value per `axes_per_row` axes; axes beyond its end are left out
+/// @param axes_per_row number of consecutive axes in a row, at least 1
+/// @param rows receives the check value of each row; rows beyond its end are left out
 [[nodiscard]] StatusDigest digest_of(std::span<const AxisStatus> statuses, std::size_t axes_per_row,
                                      std::span<std::uint32_t> rows) noexcept;
 

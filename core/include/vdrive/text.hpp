@@ -19,11 +19,12 @@ inline constexpr std::size_t kShownOfMessage = 400;  // [characters]
 /// Largest settings file: enough for a bench of 16,384 axes with 250 bytes for each.
 inline constexpr std::size_t kLargestSettingsFile = std::size_t{4} << 20U;  // [bytes]
 
-/// @return `text` as one line without control characters: \n, \r, \t and \\ are escaped as such;
-///         other control characters (ASCII and U+0080 to U+009F), characters that break or reorder
-///         lines (U+2028 to U+202E, U+2066 to U+2069) and bytes that are not UTF-8 as \xNN. Of a
-///         text longer than `longest` characters, only the first three quarters and the last
-///         quarter of that number are kept, with "..." between them.
+/// @return `text` as one line without control characters: line feed, carriage return, tab and
+///         backslash are shown as \n, \r, \t and \\; other control characters (ASCII and U+0080 to
+///         U+009F), characters that break or reorder lines (U+2028 to U+202E, U+2066 to U+2069) and
+///         bytes that are not UTF-8 as \xNN. Of a text longer than `longest` characters, only the
+///         first three quarters and the last quarter of that number are kept, with "..." between
+///         them.
 [[nodiscard]] std::string escaped(std::string_view text, std::size_t longest = kShownOfValue);
 
 /// @return `escaped(text)` in single quotes, followed by the number of bytes if it was shortened.

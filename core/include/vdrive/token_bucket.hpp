@@ -52,7 +52,8 @@ class CountingLimit {
   explicit CountingLimit(TokenBucket::Rate rate) noexcept : bucket_(rate) {}
 
   /// @param now as in TokenBucket::refill()
-  /// @return how many were left out since the last one that passed; nothing = leave this one out.
+  /// @return how many reports were left out since the last one that passed; nothing if this one
+  ///         must be left out too.
   std::optional<std::uint64_t> pass(std::chrono::nanoseconds now) noexcept {
     bucket_.refill(now);
     if (!bucket_.take()) {
@@ -62,10 +63,10 @@ class CountingLimit {
     return std::exchange(left_out_, 0);
   }
 
-  /// Counts one that the caller left out for a reason of its own.
+  /// Counts a report that the caller left out for a reason of its own.
   void leave_out() noexcept { ++left_out_; }
 
-  /// @return how many were left out since the last one that passed.
+  /// @return how many reports were left out since the last one that passed.
   [[nodiscard]] std::uint64_t left_out() const noexcept { return left_out_; }
 
  private:

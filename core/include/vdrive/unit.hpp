@@ -17,7 +17,7 @@ namespace vdrive {
 
 enum class UnitKind : std::uint8_t {
   rotary,  ///< deg, rad and rev
-  linear,  ///< the unit's own name; if that is m, cm, mm or um, all four
+  linear,  ///< the unit's own name only; for m, cm, mm and um all four of these
 };
 
 inline constexpr std::size_t kMaxUnitNameLength = 16;  // [bytes]
@@ -50,15 +50,16 @@ struct Unit {
 ///         "rad", "rev"}, with its own name first.
 [[nodiscard]] std::vector<std::string> units_of(const Unit& unit);
 
-/// @return [UU] per `name`, nothing if the axis has no such unit (see units_of). "UU" is one.
+/// @return [UU] per `name`, nothing if the axis has no such unit (see units_of). Every axis has
+///         "UU".
 [[nodiscard]] std::optional<double> user_units_in(const Unit& unit, std::string_view name);
 
-/// @param value [unit.name] a position, or a speed or acceleration per s or s²
-/// @return [UU], not rounded.
+/// @param value a position [unit.name], a speed [unit.name/s] or an acceleration [unit.name/s²]
+/// @return the same in UU, UU/s or UU/s², not rounded.
 [[nodiscard]] double to_user_units(double value, const Unit& unit);
 
-/// @param user_units [UU] a position, or a speed or acceleration per s or s²
-/// @return [unit.name].
+/// @param user_units a position [UU], a speed [UU/s] or an acceleration [UU/s²]
+/// @return the same in unit.name, unit.name/s or unit.name/s².
 [[nodiscard]] double from_user_units(double user_units, const Unit& unit);
 
 /// @return a position for display, such as "90.00 deg", with enough digits to resolve 1 UU.

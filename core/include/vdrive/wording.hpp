@@ -18,8 +18,8 @@ namespace vdrive {
 ///         that turns one text into the other.
 [[nodiscard]] std::size_t edit_distance(std::string_view a, std::string_view b);
 
-/// @return " (did you mean 'x'?)" with the candidate closest to `text`, or nothing if none is
-///         close: more than a third of the characters differ.
+/// @return " (did you mean 'x'?)" with the candidate closest to `text`, or nothing if in every
+///         candidate more than a third of the characters differ.
 [[nodiscard]] std::string suggestion(std::string_view text,
                                      const std::vector<std::string>& candidates);
 
@@ -34,7 +34,7 @@ namespace vdrive {
 [[nodiscard]] std::string refusal_of_choice(std::string_view text,
                                             const std::vector<std::string>& words);
 
-/// Replaces a whole number with its decimal digits, for a reader that does not know the grammar of
+/// Replaces a whole number with its decimal digits, for a parser that does not know the grammar of
 /// vdrive/number_text.hpp.
 /// @return why `text` is refused if it is not a whole number from `lowest` to `highest`, such as
 ///         "'-1' must be a whole number from 0 to 232"; empty if it is one.

@@ -10,13 +10,14 @@
 
 namespace vdrive {
 
-/// The full sequence, from Quick stop active. Other states start further down in it.
+/// The full sequence, from Quick stop active. Other states start later in the sequence.
 inline constexpr std::array kEnablingWords{controlwords::kDisableVoltage, controlwords::kShutdown,
                                            controlwords::kSwitchOn, controlwords::kEnableOperation};
 
 /// @return the controlwords that lead from a power state without a fault to Operation enabled (CiA
 ///         402, transitions 2 to 4), to be written one after the other; none in Operation enabled.
-///         From Quick stop active they first remove the power, which every value of 605Ah allows.
+///         From Quick stop active the first word removes the power, because every value of 605Ah
+///         allows that.
 [[nodiscard]] constexpr std::span<const std::uint16_t> enabling_words(PowerState state) noexcept {
   const std::span<const std::uint16_t> all(kEnablingWords);
   switch (state) {

@@ -23,7 +23,7 @@ struct HomingMethodRow {
   std::int8_t direction = 0;  ///< of the first movement while no switch is active; 0 = none
   std::int8_t approach = 0;   ///< direction of travel when home is reached; 0 = none
   HomingMark mark = HomingMark::none;
-  bool onto = false;      ///< home is where the home switch closes, else where it opens
+  bool onto = false;      ///< home is where the home switch closes; false: where it opens
   bool turns = false;     ///< a limit switch in `direction` reverses the search
   bool index = false;     ///< home is the next index pulse
   std::string_view what;  ///< where home is, as text

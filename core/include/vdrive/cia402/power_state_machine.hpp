@@ -75,7 +75,7 @@ class PowerStateMachine {
   TransitionSet power_dropped() noexcept;
 
   /// The stop of the present state has finished: transition 14 of the fault reaction, 12 of a quick
-  /// stop that does not stay (605Ah 0 to 4), 5 or 8 of a pending ramp.
+  /// stop that does not stay in Quick stop active (605Ah 0 to 4), 5 or 8 of a pending ramp.
   TransitionSet stop_finished(const PowerOptions& options) noexcept;
 
  private:

@@ -49,12 +49,12 @@ using ObjectRow = std::uint16_t;
 
 /// The meaning of a write for control of the axis.
 enum class Role : std::uint8_t {
-  parameter,   ///< anybody may write it on a free axis, the owner on its own axes
-  command,     ///< it moves the axis: writing it on a free axis takes control of the axis
+  parameter,   ///< anybody may write it on an axis without an owner, otherwise only the owner
+  command,     ///< it moves the axis: writing it on an axis without an owner takes control
   test_input,  ///< it is an input of the test bench: anybody may write it on any axis
 };
 
-/// The effect of an accepted write in addition to the register.
+/// The effect of an accepted write, apart from storing the value in the register.
 enum class Change : std::uint8_t {
   limits,          ///< values derived from registers: limits, windows, units
   torque_limits,   ///< the same, and the limits of the servo

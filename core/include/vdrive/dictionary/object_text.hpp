@@ -47,8 +47,8 @@ struct SpelledAddress {
 [[nodiscard]] std::string address_suggestion(std::string_view text);
 
 /// @param text an address in the grammar above, a variable_name, or the standard's name
-/// @return the address of that object; nothing for an unknown name. An address without an object is
-///         returned as well: the drive refuses it.
+/// @return the address of that object; nothing for an unknown name. An address is returned even if
+///         it has no object: it is left to the drive to refuse it.
 [[nodiscard]] std::optional<ObjectAddress> parse_object(std::string_view text) noexcept;
 
 /// @return every name that `parse_object` knows: all variable_names, then the standard's names.

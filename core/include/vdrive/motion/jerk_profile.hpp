@@ -108,11 +108,11 @@ class JerkProfile {
 // and the acceleration in the direction of motion to [-deceleration, acceleration]; where the
 // direction changes, the smaller of the two applies. `jerk` (is_limited) bounds the rate of change
 // of acceleration. Where the start is outside the limits, or leads out of them because the
-// acceleration cannot end instantly, the motion returns as fast as the jerk allows, without
-// reversing for it. "Fastest" means among all motions if both jerks are equal. With two different
-// jerks it means among the motions that never go backward, if start and target allow one: a motion
-// with a run-up could be faster, and where the axis must turn, so could one that overshoots more
-// than necessary.
+// acceleration cannot end instantly, the motion returns to them as fast as the jerk allows, but
+// does not reverse to do so. "Fastest" means the fastest of all motions if both jerks are equal.
+// With two different jerks it means the fastest of the motions that never go backward, if start and
+// target allow such a motion; one with a run-up could be faster. Where the axis must turn, a motion
+// that overshoots more than necessary could be faster.
 
 /// Plans the fastest motion to rest at `target` [user units]. If the velocity limit is 0, it brakes
 /// to a standstill and stays there.
@@ -120,8 +120,9 @@ class JerkProfile {
                                          const MotionLimits& limits,
                                          const MotionJerk& jerk) noexcept;
 
-/// @return the jerk of a move that takes `times` (MoveTimes::jerk) and whose `limits_of` these
-///         times are `limits`; unlimited without a jerk time or a distance.
+/// @param limits peak velocity and accelerations of the move, from limits_of()
+/// @return the jerk with which the acceleration of a move reaches its peaks in the jerk time of
+///         `times`; unlimited if the jerk time or the distance is 0.
 [[nodiscard]] MotionJerk jerk_of(const MotionLimits& limits, const MoveTimes& times) noexcept;
 
 /// Plans the move from rest at `start` to rest at `target` [user units] that takes exactly these

@@ -108,7 +108,8 @@ struct MoveTimes {
   double duration = 0.0;
   double acceleration = 0.0;
   double deceleration = 0.0;
-  double jerk = 0.0;  ///< for the acceleration to build up, and to fall off, in each ramp; 0 = step
+  /// In which the acceleration of each ramp builds up, and falls off again; 0 = in one step.
+  double jerk = 0.0;
 };
 
 /// @return the peak velocity and the peak accelerations of a move over `displacement` [user units]

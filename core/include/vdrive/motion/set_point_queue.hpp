@@ -14,7 +14,7 @@ struct SetPoint {
   std::uint32_t synchronous_move_acceleration_time = 0;  ///< 5E10h:02 [us]
   std::uint32_t synchronous_move_deceleration_time = 0;  ///< 5E10h:03 [us]
   std::uint32_t synchronous_move_jerk_time = 0;          ///< 5E10h:04 [us], 0 = no limit
-  std::uint32_t synchronous_move_reference_way = 0;      ///< 5E10h:05 [user units], 0 = from rest
+  std::uint32_t synchronous_move_reference_way = 0;      ///< 5E10h:05 [user units], 0 = own way
   std::uint16_t positioning_option_code = 0;             ///< 60F2h
   bool relative = false;                                 ///< controlword bit 6
   std::array<std::uint8_t, 1> unused{};  ///< no uninitialised padding: snapshots contain it
@@ -28,8 +28,8 @@ enum class SetPointOutcome : std::uint8_t {
   ignored,   ///< not accepted: the buffer is full, or the drive takes no set-points now
 };
 
-/// Set-point handshake of profile position mode: one active set-point (the caller's) and one
-/// buffered, acknowledged by statusword bit 12 (CiA 402-2; manual, bits 4, 5 and 12).
+/// Set-point handshake of profile position mode: one active set-point, which the caller keeps, and
+/// one buffered; statusword bit 12 acknowledges them (CiA 402-2; manual, bits 4, 5 and 12).
 class SetPointQueue {
  public:
   /// Processes one written controlword.

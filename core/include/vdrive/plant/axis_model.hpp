@@ -15,7 +15,7 @@ inline constexpr double kUserUnitsPerRevolution = 4096.0;
 /// has the limit of its motor, through the gear.
 inline constexpr double kHighestMotorSpeed = 1.0e6 / 60.0 * kUserUnitsPerRevolution;
 
-/// Values of lower_end_stop and upper_end_stop for no end stop, as in 607Dh [UU].
+/// Values of lower_end_stop and upper_end_stop that mean no end stop, as in 607Dh [UU].
 inline constexpr double kNoLowerEndStop = -2147483648.0;
 inline constexpr double kNoUpperEndStop = 2147483647.0;
 
@@ -42,8 +42,8 @@ enum class Feedback : std::uint8_t {
 }
 
 /// @param gear_ratio 3576h over 3577h: load revolutions per motor revolution
-/// @return revolutions per motor revolution of the shaft whose encoder 6064h reads: of the motor
-///         with one encoder, of the load with two.
+/// @return the revolutions, per motor revolution, of the shaft whose encoder 6064h reads: 1 with
+///         one encoder (motor shaft), `gear_ratio` with two (load shaft).
 [[nodiscard]] constexpr double position_ratio(Feedback feedback, double gear_ratio) noexcept {
   return feedback == Feedback::single_encoder ? 1.0 : gear_ratio;
 }

@@ -87,8 +87,8 @@ inline constexpr std::array<ModelParameter, 29> kModelParameters{{
 [[nodiscard]] std::string with_unit(double number, const ModelParameter& parameter);
 
 /// @return nothing when the model's value of `parameter` is within its limits, otherwise the
-///         limits, such as "must be from 0 to 6.3 rad". The end stops also bound each other; this
-///         is reported for the lower one.
+///         limits, such as "must be from 0 to 6.3 rad". The lower end stop must also be below the
+///         upper one; this is checked for the lower one only.
 [[nodiscard]] std::optional<std::string> limits_broken(const AxisModel& model,
                                                        const ModelParameter& parameter);
 
