@@ -3,8 +3,9 @@
 
 #include "vdrive/worked_for.hpp"
 
-// The standard assert reports what broke and where on standard error; the core itself prints
-// nothing. It must work in optimised builds too.
+// The failure function of the standard assert prints the invariant and its location to standard
+// error, so the core needs no output of its own. NDEBUG would hide that function in optimised
+// builds.
 #undef NDEBUG
 #include <cassert>
 

@@ -8,7 +8,8 @@
 // instruction set. To give the same bits for every width they use only + - * / and comparisons, no
 // contraction and no sum across lanes.
 
-// Sanitizer runtimes are not ready yet when the loader resolves the clones.
+// Builds with sanitizers have no clones: the loader resolves them before the runtime of the
+// sanitizer is ready.
 #if defined(__x86_64__) && !defined(VDRIVE_NO_TARGET_CLONES)
 #define VDRIVE_VECTOR_CLONES \
   __attribute__((target_clones("default", "arch=x86-64-v3", "arch=x86-64-v4")))

@@ -32,7 +32,8 @@ constexpr double kTimeConstants = 4.0;
 using Row = Eigen::RowVectorXd;
 using Matrix = Eigen::MatrixXd;
 
-/// Output of the loops of lane 0 for the states of a sub-step, like `control` in the kernel.
+/// Output of the loops of lane 0 as a linear function of the states, one coefficient each; the same
+/// computation as `control` in servo_kernel.cpp.
 struct LoopOutput {
   Row error;    ///< of the velocity loop
   Row command;  ///< torque
@@ -60,7 +61,7 @@ void set_last_rows(const LoopParameters& loop, const LoopOutput& control, const 
   step(motor + 2, motor) = 1.0;
 }
 
-/// One sub-step of loops and plant. States: velocity, torque, then the last three.
+/// One sub-step of loops and plant. States: velocity, torque, then those named at control_of.
 Matrix step_of(const RigidParameters& p, double substep) {
   enum : Eigen::Index { velocity, torque, motor, integrator, before, count };
 
@@ -84,7 +85,8 @@ Matrix step_of(const RigidParameters& p, double substep) {
   return step;
 }
 
-/// One sub-step of loops and plant. States: twist, velocities, torque, then the last three.
+/// One sub-step of loops and plant. States: twist, velocities, torque, then those named at
+/// control_of.
 Matrix step_of(const ElasticParameters& p, double substep) {
   enum : Eigen::Index {
     twist,

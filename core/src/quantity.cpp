@@ -53,7 +53,7 @@ const DimensionWords& words_of(Dimension dimension) {
       std::string(words_of(dimension).example) + "; a value with a unit is rounded");
 }
 
-/// @return the unit of the position, which follows the number.
+/// @return the unit of the position in `suffix`, the text after the number.
 std::string unit_of(std::string_view suffix, std::string_view text, Dimension dimension) {
   suffix.remove_prefix(std::min(suffix.find_first_not_of(' '), suffix.size()));
   if (suffix.empty()) return std::string(kUserUnitName);

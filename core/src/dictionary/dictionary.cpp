@@ -38,8 +38,8 @@ using namespace vdrive::literals;
 /// Manufacturer-specific bits 9, 14 and 15 of 6041h, on which drives differ.
 constexpr std::int64_t kMakerBits = 0xC200;
 
-/// Rows that refuse a value without a meaning with 0x06090030, even outside the range that they
-/// show.
+/// Rows that answer every value without a meaning with 0x06090030, even where a value outside their
+/// limits would otherwise give "too high" or "too low".
 bool is_judged_by_meaning(ObjectRow row) {
   return row == "error_history_count"_object || row == "homing_method"_object ||
          row == "motion_profile_type"_object || row == "profile_jerk_use"_object;

@@ -7,50 +7,52 @@
 // 1. Change of velocity. While a > 0 the velocity grows, and dw/dv = a·da/dv = da/dt: the jerk is
 //    the slope of w over v. All limits are lines in this plane. On the way to the velocity u the
 //    acceleration is bounded by w <= D²/2 where v < 0 (slowing down), by w <= A²/2 where v > 0
-//    (speeding up) and by both at v = 0; and it must end at u: w <= J·(u - v). The fastest change
-//    has the largest w(v) within these bounds whose slope is at most J: it rises, stays at its cap
-//    and falls, once for v < 0 and once for v > 0. A w(v) that is larger everywhere takes less
-//    time, because dt = dv/√(2w).
+//    (speeding up) and by both at v = 0; and it must be back at 0 at u: w <= J·(u - v). The fastest
+//    change has the largest w(v) within these bounds whose slope is at most J: it rises, stays at
+//    its cap and falls, once for v < 0 and once for v > 0. A w(v) that is larger everywhere takes
+//    less time, because dt = dv/√(2w).
 //   If a < 0 at the start, a first returns to 0 with the full jerk, which takes v to the "settled"
 //   velocity v - a²/2J. For u above it the change continues as described above, for u below it
-//   mirrored. This covers a start that is forced beyond V: its settled velocity is above u = V, so
-//   the change turns back there immediately. From a start above its cap, w falls with the full jerk
-//   down to the cap, which violates the cap no longer than J makes necessary.
+//   mirrored. This also covers a start whose acceleration forces v beyond V: its settled velocity
+//   is above u = V, and the change turns back as soon as v has reached it. From a start above its
+//   cap, w falls with the full jerk down to the cap, so the cap is exceeded no longer than J makes
+//   necessary.
 //
 // 2. Move. `stop` is the change to u = 0; it ends at P(v, a), measured from where it begins. If the
-//    target is beyond the end of a stop that begins now, the axis first goes for u = +V and stops
+//    target is beyond the end of a stop that begins now, the axis first heads for u = +V and stops
 //    later, otherwise for u = -V. So a move follows the change to ±V until the instant τ, then a
-//    stop. With one jerk the change to +V is never behind any other motion from this start, and,
-//    with time reversed, no motion faster than the stop comes to rest at its end. So no motion
-//    arrives earlier.
-//   With two jerks this holds, where the axis does not have to turn, among the motions that do not
-//   turn: the same jerk bounds the acceleration of all of them, and a lower peak only costs time.
-//   Other motions can gain: backward, the acceleration for the way forward grows with the jerk of
-//   the deceleration, and a larger overshoot ends it with that of the acceleration. Such motions
-//   are not used: a different jerk for slowing down is not a request to start in the wrong
-//   direction.
-//   The end of the stop moves forward with τ: along a stop dP/dt + v = 0, so with the jerk j of the
-//   change, and j' of the stop in the same state, its end moves by ∂P/∂a·(j - j'). With more
-//   acceleration the axis stops farther ahead (∂P/∂a >= 0), and j >= j', since both jerks have the
-//   same bounds there and the change takes the highest. Where j = j' (the fall to u, the return
-//   into limits) τ does not matter. So the instant is the root of a monotonic function, found piece
-//   by piece and, within a piece, by the secant of its bracket. This also produces two pieces of
-//   deceleration with a weaker one in between when the target is just beyond the end of the stop:
-//   the change to +V is left while a < 0. An overshoot forced by J is a stop that ends beyond the
-//   target: u = -V.
+//    stop. With one jerk the change to +V is never behind any other motion from this start, and, by
+//    the same argument with time reversed, no motion that comes to rest at the end of the stop can
+//    cover the last part faster than the stop. So no motion arrives earlier.
+//   With two jerks, and where the axis does not have to turn, this holds among the motions that do
+//   not turn: the same jerk bounds the acceleration of all of them, and a lower peak only costs
+//   time. A motion that turns can be faster: while it moves backward, the acceleration for the way
+//   forward builds up with the jerk of the deceleration; and after a larger overshoot the braking
+//   ends with the jerk of the acceleration. Such motions are not used: a different jerk for slowing
+//   down is not a request to start in the wrong direction.
+//   The end of the stop moves forward with τ: along a stop dP/dt + v = 0, so if in some state the
+//   change has the jerk j and a stop would have j', the end of the stop moves at the rate
+//   ∂P/∂a·(j - j'). With more acceleration the axis stops farther ahead (∂P/∂a >= 0), and j >= j',
+//   since both jerks have the same bounds there and the change takes the highest. Where j = j' (the
+//   fall to u, the return into limits) τ does not matter. So the instant is the root of a monotonic
+//   function, found piece by piece and, within a piece, by the secant of its bracket. This also
+//   produces two pieces of deceleration with a weaker one in between when the target is just beyond
+//   the end of the stop: the change to +V is left while a < 0. An overshoot forced by J is a stop
+//   that ends beyond the target: u = -V.
 //
 // 3. At most twelve segments. A change has at most two pieces for the return of a to 0 (the jerk
 //    may change at v = 0), and at most five for the rises, caps and falls on both sides of v = 0:
-//    for D > A it falls to A at v = 0 and does not rise after it; for D < A it does not fall before
-//    it; for D = A neither. Where it begins above a cap, its first piece is a fall instead of the
-//    rise. A stop has two plus three, from (±V, 0) three, and three if a already brakes.
-//   With a cruise: 2 + 5 + 1 + 3 = 11. Without one the change is left in one of its pieces: in the
-//   return after at most 2, where a brakes (3); on the first side after at most 2 + 2 (2 + 3); on
-//   the second side after at most 2 + 4, with v and a of the same sign, whose return is one piece
-//   (1 + 3). That is 5, 9 and 10, plus one where the stop holds its velocity because no
-//   floating-point number equals the exact leaving time. The twelfth is for rounding: where the
-//   fall to u begins at v = 0 with A to the last bit, a rise or a cap of almost no length may
-//   precede it.
+//    for D > A, a falls to A at v = 0 and does not rise afterwards; for D < A it does not fall
+//    before v = 0; for D = A it neither falls before nor rises after v = 0. Where a change begins
+//    above a cap, its first piece is a fall instead of the rise. A stop has two pieces plus three,
+//    but only three if it begins at (±V, 0) or if a already brakes.
+//   With a cruise there are 2 + 5 + 1 + 3 = 11 pieces. Without one, the stop begins within a piece
+//   of the change (pieces of the stop in brackets): in the return, after at most 2, where a brakes
+//   (3); on the first side after at most 2 + 2 (2 + 3); or on the second side after at most 2 + 4,
+//   with v and a of the same sign, so that a returns in one piece (1 + 3). That is 5, 9 and 10,
+//   plus one where the stop holds its velocity because no floating-point number equals the exact
+//   leaving time. The twelfth is for rounding: where the fall to u begins at v = 0 and a is A to
+//   the last bit, a rise or a cap of almost no length may precede the fall.
 #include "vdrive/motion/jerk_profile.hpp"
 
 #include <algorithm>
@@ -113,7 +115,8 @@ double time_over(double span, double from, double to) {
   return sum > 0.0 ? 2.0 * span / sum : 0.0;
 }
 
-/// @return the velocity at which the acceleration is 0 after it has returned there immediately.
+/// @return the velocity that is reached when the acceleration returns to 0 with the full jerk,
+///         starting now.
 double settled_velocity(double velocity, double acceleration, const MotionJerk& jerk) {
   const double direction = acceleration < 0.0 ? -1.0 : 1.0;
   const double along = direction * velocity;
@@ -182,7 +185,8 @@ class RampBuilder {
 
  private:
   void fall_all_the_way(const Side& side, double span, double w_left) {
-    // If it must end with 0, the rest of w is rounding error, whose square root would not be small.
+    // If a must end at 0, the remaining w is rounding error, and its square root would not be
+    // small.
     const bool ends = side.end_acceleration == 0.0;
     const double end = ends ? 0.0 : std::sqrt(2.0 * w_left);
     add(ends ? acceleration_ / side.jerk : time_over(span, acceleration_, end), -side.jerk);
@@ -420,8 +424,8 @@ class JerkProfileBuilder {
   }
 
  private:
-  /// Merges successive pieces of the same jerk into one segment, so that the tick has one border
-  /// less.
+  /// Merges successive pieces of the same jerk into one segment, so that the ticks cross fewer
+  /// borders.
   void append(const Piece& piece) noexcept {
     const bool goes_on = profile_.count_ > 0 && piece.jerk != 0.0 &&
                          profile_.segments_[profile_.count_ - 1U].jerk == piece.jerk;
@@ -445,10 +449,11 @@ class JerkProfileBuilder {
 
 namespace {
 
-/// Adds a stop lengthened by `missing`. If a stop takes long to end its acceleration, its end moves
-/// by more than rounding between two neighbouring numbers of the leaving time. It then holds the
-/// velocity that it reaches, for less time than the next piece takes. At almost zero velocity that
-/// time would be too long for this, but there the end moves only by rounding.
+/// Adds a stop lengthened by `missing`. If a stop takes long to end its acceleration, its end
+/// differs by more than rounding between two neighbouring floating-point leaving times. To cover
+/// the difference, the stop holds the velocity at which the acceleration has become 0, for less
+/// time than the next piece takes. At almost zero velocity that time would be longer, but there the
+/// ends differ only by rounding.
 void add_longer(JerkProfileBuilder& builder, const Ramp& stop, double direction, double missing) {
   for (std::size_t i = 0; i < stop.count; ++i) {
     const Piece& piece = stop.pieces[i];

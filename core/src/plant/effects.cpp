@@ -15,7 +15,7 @@ static_assert(std::is_trivially_copyable_v<EffectBlock>);
 constexpr double kInfiniteDistance = std::numeric_limits<double>::infinity();
 
 /// Below this heat a cooling motor counts as cold. Otherwise the heat would approach 0 for hundreds
-/// of time constants, and no block of the axis could settle.
+/// of time constants, and the block of the axis could not settle: every tick would still change it.
 constexpr double kColdest = 1.0e-9;
 
 /// @return `seconds` as a whole number of ticks, rounded up; the tolerance avoids an extra tick
@@ -111,7 +111,7 @@ void design_effects(const AxisModel& model, const Gear& gear, const EffectDesign
 void start_effects(const AxisModel& model, std::uint64_t axis, std::size_t lane,
                    EffectBlock& block) noexcept {
   EffectState& state = block.state;
-  // Gives other numbers than the load noise with the same seed.
+  // Inverted, so that the numbers differ from those of a load noise with the same seed.
   const std::uint64_t seed = ~scramble(static_cast<std::uint64_t>(model.encoder_noise_seed));
   state.streams[lane] = scramble(seed + axis);
   if (model.encoder_noise != 0.0 || model.load_encoder_noise != 0.0) {
@@ -142,7 +142,7 @@ void heat_motors(EffectBlock& block, const ServoState& servo,
                  const Lane& current_per_mille) noexcept {
   EffectState& s = block.state;
   for (std::size_t l = 0; l < kLanes; ++l) {
-    const double current = servo.torque[l] * current_per_mille[l] * 1.0e-3;  // over the rated one
+    const double current = servo.torque[l] * current_per_mille[l] * 1.0e-3;  // 1 = rated current
     const double before = s.heat[l];
     const double heat = before + block.parameters.heat_gain[l] * (current * current - before);
     s.heat[l] = heat < before && heat < kColdest ? 0.0 : heat;

@@ -17,7 +17,7 @@ namespace vdrive {
 /// Parameters of the effects of a block: holding brake, cogging, torque ripple, encoder noise, end
 /// stops and motor heat. In a lane without an effect its parameters change no bit.
 struct alignas(64) EffectParameters {
-  Lane cogging;           // at a quarter period, <= 0: periods start at stable detents [UU/s²]
+  Lane cogging;           // at a quarter period [UU/s²]; <= 0, as periods start at stable detents
   Lane cogging_turns;     // periods of the cogging [1/UU] of the motor
   Lane ripple;            // peak fraction of the torque [1]
   Lane ripple_turns;      // periods of the ripple [1/UU] of the motor
@@ -54,7 +54,7 @@ struct alignas(64) EffectState {
   std::uint64_t draws;                        // of encoder noise, two per sub-step
   std::uint64_t noisy;                        // lanes with encoder noise
   std::uint64_t hot;                          // lanes above the rated heat
-  std::uint64_t following;                    // lanes whose brake may change without a switch
+  std::uint64_t following;  // lanes whose brake may change though the power stage does not
   std::array<std::uint64_t, 4> unused;
 };
 

@@ -13,7 +13,7 @@ struct LoadNoise {
   std::uint64_t ticks = 0;   // since the seed was set
   double rms = 0.0;          // [N.m], 0 = none
   double load = 0.0;         // load torque without noise, as the servo uses it [UU/s²]
-  double per_torque = 0.0;   // conversion of a torque to that [UU/s²/(N.m)]
+  double per_torque = 0.0;   // converts a torque to the unit of `load` [UU/s²/(N.m)]
 };
 
 /// @return a number with mean 0 and root mean square 1, at most 3.4641 from 0: the sum of four

@@ -25,8 +25,8 @@ Eigen::Matrix<double, States, States + Inputs> discretise(
   return exponential.template topRows<States>();
 }
 
-/// Gains of position and velocity loop [1/s]. The gain of the velocity loop is a torque over the
-/// inertia of the torque unit.
+/// Gains of position and velocity loop [1/s]. The gain of the velocity loop is its torque per
+/// velocity over the inertia on which torque_unit() is based.
 struct Gains {
   double position;
   double velocity;
@@ -51,8 +51,9 @@ Gains gains_of(const AxisModel& model, const Gear& gear, double inertia_ratio) {
   const double bandwidth = kTwoPi * model.velocity_loop_bandwidth;
   Gains gains{.position = kTwoPi * model.position_loop_bandwidth,
               .velocity = bandwidth * inertia_ratio};
-  // Above the resonance the loop acts on the motor alone. With the motor's inertia only, it must
-  // not be faster than the current loop, or a heavy elastic load makes it ring at full torque.
+  // Above the resonance the loop acts on the motor alone. With the inertia of the motor alone it
+  // must not be faster than the current loop, otherwise it rings at full torque under a heavy
+  // elastic load.
   const double highest = kTwoPi * model.current_loop_bandwidth;
   if (gains.velocity > highest) {
     gains.velocity = highest;
@@ -198,8 +199,8 @@ void design_lane(const AxisModel& model, const Gear& gear, double substep, std::
       elastic_system(model, ratio, model.coupling_stiffness, model.coupling_damping), substep);
   const Elastic loose = discretise<5, 3>(elastic_system(model, ratio, 0.0, 0.0), substep);
   // The position of the load follows from motor and twist: x_l = r·x_m - twist. Its increment in a
-  // sub-step is r·Δx_m - Δtwist, and the row of the twist contains the old twist with coefficient
-  // 1.
+  // sub-step is r·Δx_m - Δtwist, where the row of the twist gives the new twist, so the old one is
+  // added back.
   using Increment = Eigen::Matrix<double, 1, 8>;
   const auto load_increment = [ratio](const Elastic& step) -> Increment {
     Increment row = ratio * step.row(column::motor_position) - step.row(column::twist);

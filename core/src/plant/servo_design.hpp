@@ -30,8 +30,8 @@ struct TorqueLimits {
   double negative = 0.0;
 };
 
-/// @return [N.m] at the motor shaft per 1 UU/s² of the torque unit of the block: from the inertia
-///         of the motor, or for a rigid axis the total inertia at the motor.
+/// @return the torque at the motor shaft [N.m] that the block writes as 1 UU/s²: the one that gives
+///         this acceleration to the motor alone or, on a rigid axis, to motor and load.
 [[nodiscard]] double torque_unit(const AxisModel& model, const Gear& gear) noexcept;
 
 /// @return UU/s² of ServoState::load_torque per 1 N.m at the load shaft.

@@ -15,9 +15,9 @@ namespace {
   return below_upper < lower ? lower : below_upper;
 }
 
-/// Torque command of profile torque: the wanted torque, reduced near the speed limit. The
-/// proportional part of the velocity loop at that limit bounds it, so the speed stays below the
-/// limit.
+/// Torque command of profile torque: the wanted torque, reduced near the speed limit. It is limited
+/// to the torque that the proportional part of the velocity loop would command at the speed limit,
+/// so the speed stays below that limit.
 [[gnu::always_inline]] inline double torque_within_speed(const LoopParameters& p, ServoState& s,
                                                          std::size_t l, double measured_velocity) {
   const double most = s.speed_limit[l] * p.inverse_ratio[l];
@@ -104,7 +104,7 @@ template <bool kGeneral>
     VDRIVE_INDEPENDENT_LANES
     for (std::size_t l = 0; l < kLanes; ++l) {
       const double angle = s.position[l] - e.state.motor_origin[l];
-      // A -0 would change the sign of another 0.
+      // + 0.0 turns -0 into +0: a -0 would change the sign of another 0.
       uneven[l] = p.cogging[l] * sine_of_turns(angle * p.cogging_turns[l]) + 0.0;
     }
   }
@@ -180,9 +180,9 @@ struct ElasticInput {
   return is_engaged ? with_shaft : without;
 }
 
-/// Friction of the brake in a sub-step: all of it if the motor slips, otherwise as much as holds
-/// the motor. The linear model would apply all of it over the sub-step and pass the excess on
-/// through the shaft; the load would then hang on the brake instead of on the shaft.
+/// Friction of the brake in a sub-step: all of it if the motor slips, otherwise as much as it takes
+/// to hold the motor. The linear model would apply all of it over the sub-step and pass the excess
+/// on through the shaft; the load would then hang on the brake instead of on the shaft.
 [[gnu::always_inline]] inline double brake_friction(const ElasticParameters& p,
                                                     const EffectBlock& e, std::size_t l,
                                                     double free_velocity,
@@ -363,8 +363,8 @@ template <bool kEffects, typename Parameters>
   }
 }
 
-/// One sub-step of the lanes of a block. What only some blocks with effects need is in separate
-/// loops.
+/// One sub-step of the lanes of a block. Work that only some blocks with effects need is in
+/// separate loops.
 template <bool kGeneral, bool kEffects, bool kJerk, typename Parameters, typename StepLane>
 [[gnu::always_inline]] inline void step_block(const ServoBlock<Parameters>& block,
                                               const Substeps& substeps, double k,
