@@ -64,7 +64,8 @@ constexpr AxisLayout layout_of_axis(std::size_t begin) {
   return layout;
 }
 
-/// An axis that starts at a multiple of 8 bytes (0), or 4 bytes after one (4).
+/// The layout of an axis that starts at a multiple of 8 bytes (kBegin = 0), or 4 bytes after one
+/// (4).
 template <std::size_t kBegin>
 inline constexpr AxisLayout kAxisLayout = layout_of_axis(kBegin);
 
@@ -148,8 +149,8 @@ class AxisSequence {
   /// @param begin start of the first axis, from the end of the encapsulation; a multiple of 4
   explicit constexpr AxisSequence(std::size_t begin) noexcept : is_aligned_(begin % 8 == 0) {}
 
-  /// @return the offset of axis `position` from the start of the first one; for the number of axes,
-  ///         the total size.
+  /// @return the offset of axis `position` from the start of the first one; if `position` is the
+  ///         number of axes, the total size.
   [[nodiscard]] constexpr std::size_t place_of(std::size_t position) const noexcept {
     if (position == 0) return 0;
     return size_of(is_aligned_) + (position - 1) * size_of(kEnd == 0);

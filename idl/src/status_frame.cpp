@@ -72,7 +72,7 @@ std::size_t encode_axis_status(const AxisStatus& status, const AxisAddress& addr
 }
 
 std::optional<StatusFrameView> StatusFrameView::of(std::span<const std::byte> sample) noexcept {
-  // The last two bytes of the encapsulation are options, which plain CDR does not have.
+  // Ignore the last two bytes of the encapsulation: they are options, which plain CDR does not use.
   if (sample.size() < kFirst ||
       !std::equal(kLittleEndian.begin(), kLittleEndian.begin() + 2, sample.begin())) {
     return std::nullopt;

@@ -33,8 +33,8 @@ class BytesType final : public LibraryType {
   /// @param key returns the key of a sample; nullptr for a topic without keys
   BytesType(const std::string& name, std::size_t largest, Key key);
 
-  /// The type of a topic of the wire contract. A sample that exceeds a bound by less than its size
-  /// still arrives and is answered with the reason.
+  /// The type of a topic of the wire contract. Accepts twice the largest valid size, so that a
+  /// sample that exceeds a bound still arrives and is answered with the reason.
   explicit BytesType(TopicId topic);
 
  private:

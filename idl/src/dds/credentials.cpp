@@ -37,7 +37,7 @@ using Store = std::unique_ptr<X509_STORE, Free<X509_STORE_free>>;
 using StoreContext = std::unique_ptr<X509_STORE_CTX, Free<X509_STORE_CTX_free>>;
 using Signature = std::unique_ptr<PKCS7, Free<PKCS7_free>>;
 
-/// A list of certificates, which it does not own.
+/// A list that does not own its certificates.
 using Signers = std::unique_ptr<STACK_OF(X509), Free<[](STACK_OF(X509) * list) {
                                   sk_X509_free(list);
                                 }>>;

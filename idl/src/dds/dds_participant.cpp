@@ -38,9 +38,9 @@ constexpr std::size_t kMostServers = 256;  // the id has one byte
 constexpr std::size_t kMostParticipants = 256;
 constexpr std::size_t kEndpointsOfParticipant = 16;        // on average, readers and writers each
 constexpr std::uint32_t kLargestAnnouncement = 16 * 1024;  // [bytes]; those of vdrive take 1 kB
-// Fast DDS 2.9 and 3.1: the library's lease timer must not fire while a participant is leaving.
-// Programs with a guard remove participants earlier; a discovery server has no guard. In the closed
-// mode of 3.1 only the library can remove them (kMembersMayLeaveInClear).
+// A long lease: in Fast DDS 2.9 and 3.1 the lease timer must not fire while a participant is
+// leaving. Programs with a guard remove participants earlier; a discovery server has no guard. In
+// the closed mode of 3.1 only the library can remove them (kMembersMayLeaveInClear).
 constexpr std::int32_t kAnnouncedLease = 600;          // [s]
 constexpr std::int32_t kLeaseOfMember = 2;             // [s]
 constexpr std::int32_t kLeaseWithServer = 2;           // [s]
@@ -201,8 +201,8 @@ dds::DomainParticipantQos participant_qos(const NetworkSettings& settings, const
   if (names->has_names() && guard == nullptr) {
     throw NetworkError("host names can be used only with the guard (NetworkSettings::guard)");
   }
-  // After losing a server, the library sends to an address of it that it has not announced to its
-  // transport; see HostNames.
+  // After losing a server, the library sends to an address of that server that it has not announced
+  // to its transport; see HostNames.
   const bool is_redirected = names->has_names() || !settings.discovery_servers.empty();
   const auto redirecting = is_redirected ? names : nullptr;
   qos.name(name.c_str());

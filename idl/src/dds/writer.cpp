@@ -16,8 +16,8 @@ namespace {
 // Asking whether everything is acknowledged takes 60 us if it is not, so only a writer that has
 // been idle for this long asks.
 constexpr std::chrono::milliseconds kRest{2};
-// If samples are always in flight, a removal waits after this many writes: longer than the
-// heartbeat period, and long before a gap is so wide that a guard refuses it.
+// A writer that is never idle waits for the acknowledgements after this many writes, long before a
+// gap is so wide that a guard refuses it. It waits for longer than the heartbeat period.
 constexpr std::uint32_t kWritesBeforeWait = 8'192;
 constexpr std::chrono::milliseconds kLongestWait{20};
 
@@ -72,10 +72,11 @@ bool DdsWriter::write(std::span<const std::byte> sample) noexcept {
 }
 
 /// Fast DDS 2.9 and 3.1: the library removes a sample when all readers have acknowledged it. But
-/// while a reader has joined and not yet answered, it marks samples as removed that it keeps
-/// (StatefulWriter::check_acked_status), and these stay. Every later reader then receives, with
-/// each heartbeat, a gap of all numbers since the oldest of them and processes it number by number;
-/// a guard refuses wide gaps. Nobody needs samples that all have acknowledged, so remove them here.
+/// while a reader that has joined has not yet answered, it marks samples as removed and yet keeps
+/// them (StatefulWriter::check_acked_status), and these are never removed. Every later reader then
+/// receives, with each heartbeat, a gap of all numbers since the oldest of them and processes it
+/// number by number; a guard refuses wide gaps. Nobody needs samples that all have acknowledged, so
+/// remove them here.
 void DdsWriter::remove_acknowledged() {
   const auto spoken = joined_.load(std::memory_order_relaxed) + kLongestSilence;
   if (removed_ >= spoken) return;

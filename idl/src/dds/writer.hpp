@@ -42,7 +42,7 @@ class DdsWriter final : public SampleWriter, public dds::DataWriterListener {
  private:
   using Clock = std::chrono::steady_clock;
 
-  /// By then a reader that has joined has acknowledged something or is gone.
+  /// The time within which a reader that has joined either acknowledges something or is gone.
   static constexpr std::chrono::seconds kLongestSilence{5};
 
   void remove_acknowledged();

@@ -32,8 +32,9 @@ std::filesystem::path own_file() {
                      "bench in this process needs neither");
 }
 
-/// Objects of a participant and exceptions cross the border between the two files.
-/// @throws NetworkError when they are from different builds
+/// Both files must be from the same build, because objects of a participant and exceptions pass
+/// between them.
+/// @throws NetworkError when they are not
 void require_same_build(void* library, const std::filesystem::path& file) {
   const void* const found = dlsym(library, kDdsBuild);
   const std::string build =
@@ -44,8 +45,8 @@ void require_same_build(void* library, const std::filesystem::path& file) {
                      "\". Install both from one build; a bench in this process needs no DDS");
 }
 
-/// Each file has its own copy of the code that both contain, and no copy has state used by both.
-/// Never unloaded, because the library has threads.
+/// Each file has its own copy of the code that both contain, so that code must not keep state that
+/// both use. Never unloaded, because the library has threads.
 ParticipantMaker load() {
   const std::filesystem::path file = own_file().parent_path() / kFile;
   void* const library = dlopen(file.c_str(), RTLD_NOW | RTLD_LOCAL | RTLD_NODELETE);

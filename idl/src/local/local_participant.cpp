@@ -94,7 +94,8 @@ LocalBus::WorkPlace::~WorkPlace() {
     const std::scoped_lock lock(bus_->parts().placing);
     place = std::move(bus_->parts().places.extract(bench_).mapped());
   }
-  // No thread can find the place any more; those that already have it run it once.
+  // No thread can find the place any more. The lock waits for those that are running its work;
+  // others that have already found it see has_ended.
   const std::scoped_lock lock(place->in_use);
   place->has_ended = true;
 }

@@ -48,7 +48,7 @@ struct LocalBus::Parts {
 
   const Origin origin;
 
-  std::mutex counting;  ///< no other lock is taken with it: handlers ask who is there
+  std::mutex counting;  ///< held alone, because handlers call functions that lock it
   std::vector<const LocalParticipant*> participants;
   /// Sources of the participants: each call of a session checks that its bench is there.
   std::vector<SourceKey> sources;  ///< in ascending order

@@ -27,7 +27,7 @@ namespace rtps = wire::rtps;
 
 // As usual for ROS 2 nodes.
 constexpr std::int32_t kDepth = 10;
-// For /rosout: what a node that joins late still receives.
+// For /rosout: messages that a node still receives when it joins late.
 constexpr std::int32_t kDepthForLate = 100;
 
 /// Settings common to writer and reader.
@@ -90,7 +90,7 @@ dds::DataReaderQos reader_qos(std::string_view type, const Traits& traits) {
   apply(type, traits.kept_for_late ? kDepthForLate : kDepth, qos);
   qos.reliability().kind =
       traits.takes_any_writer ? dds::BEST_EFFORT_RELIABILITY_QOS : dds::RELIABLE_RELIABILITY_QOS;
-  // A reader also wants what was kept from before the two met.
+  // A reader also wants the samples that the writer has kept from before the reader joined.
   qos.durability().kind =
       traits.kept_for_late ? dds::TRANSIENT_LOCAL_DURABILITY_QOS : dds::VOLATILE_DURABILITY_QOS;
   // A sample larger than the type allows is dropped. The kernel provides only the pages that are

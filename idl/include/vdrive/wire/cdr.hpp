@@ -168,7 +168,8 @@ void write_sample(Bytes& bytes, const Write& write) {
   write(writer);
 }
 
-/// @return the minimum size of a value [bytes]; for texts and sequences that of their length field.
+/// @return the minimum size of a value [bytes]; for a text or sequence, the size of its length
+///         field.
 template <typename Value>
 constexpr std::size_t smallest_size() noexcept {
   if constexpr (CdrNumber<Value>) {
@@ -294,7 +295,8 @@ class CdrReader {
     } else {
       for (Element& element : elements) get(member, element, resize);
     }
-    // If an element is beyond its bound, drop the whole sequence: only its head was read.
+    // If a sequence in an element is beyond its bound, drop all elements: that one was read only in
+    // part.
     if (!beyond_bound_.empty()) resize(elements, 0);
   }
 
@@ -311,7 +313,7 @@ class CdrReader {
   }
 
  private:
-  /// Fails if fewer bytes are left.
+  /// Fails if fewer than `bytes` are left.
   bool has(std::size_t bytes) noexcept {
     is_good_ = is_good_ && position_ <= sample_.size() && bytes <= sample_.size() - position_;
     return is_good_;
@@ -324,11 +326,13 @@ class CdrReader {
   bool swaps_;
 };
 
-/// Not constexpr, so that a member after one of variable size does not compile.
+/// Not constexpr, so that asking for the place of a member after one of variable size does not
+/// compile.
 inline void has_no_fixed_place() noexcept {}
 
 /// Returns the position of a member, from the start of its struct.
-/// @param begin of the struct, from the end of the encapsulation, which CDR alignment refers to
+/// @param begin position of the struct from the end of the encapsulation, where CDR alignment
+///        starts
 template <DescribedStruct Struct>
 constexpr std::size_t place_of_member(std::string_view name, std::size_t begin = 0) {
   std::size_t place = 0;
@@ -352,8 +356,9 @@ constexpr std::size_t place_of_member(std::string_view name, std::size_t begin =
   return place;
 }
 
-/// Returns the end of a value that starts at `begin`, both from the end of the encapsulation, with
-/// texts and sequences at their maximum length. Unbounded ones count as empty.
+/// Returns the end of a value that starts at `begin`, both counted from the end of the
+/// encapsulation. Bounded texts and sequences count with their maximum length, unbounded ones as
+/// empty.
 template <CdrNumber Number>
 constexpr std::size_t largest_end(std::size_t begin, std::type_identity<Number>,
                                   std::size_t /*bound*/) noexcept {

@@ -65,8 +65,8 @@ class CommandDecoder {
   [[nodiscard]] Decoding decode(std::span<const std::byte> sample, msg::CommandFrame& frame);
   [[nodiscard]] Decoding decode(std::span<const std::byte> sample, msg::Request& request);
 
-  /// @return the sequence of the last sample that was beyond its bound, too_many_axes or
-  ///         too_many_objects; otherwise none.
+  /// @return which sequence of the last sample was beyond its bound: too_many_axes or
+  ///         too_many_objects; none if every sequence was within its bound.
   [[nodiscard]] msg::Reason too_long() const noexcept { return too_long_; }
 
  private:

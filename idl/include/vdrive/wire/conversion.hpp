@@ -17,7 +17,7 @@ namespace vdrive::wire {
 struct Ownership {
   std::uint64_t session = 0;  ///< 0 = free
   std::uint32_t epoch = 0;
-  std::uint64_t last_sequence = 0;  ///< last command frame of the owner that was applied
+  std::uint64_t last_sequence = 0;  ///< number of the owner's last applied command frame
 };
 
 /// Address of an axis on the network.
@@ -48,7 +48,7 @@ void to_message(const Unit& unit, msg::AxisDescription& message);
 /// @return the unit in the description; the default unit if it has no usable one.
 [[nodiscard]] Unit unit_of(const msg::AxisDescription& message);
 
-/// @return a description of a number of msg::Reason or of a CiA 301 abort code.
+/// @return a description of `reason`, a value of msg::Reason or a CiA 301 abort code.
 [[nodiscard]] std::string describe_reason(std::uint32_t reason);
 
 }  // namespace vdrive::wire

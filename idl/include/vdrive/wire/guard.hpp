@@ -20,7 +20,7 @@ enum class Refusal : std::uint8_t {
   sequence,      ///< a sequence number below its minimum or above 2^40
   range,         ///< a HEARTBEAT or GAP whose range is reversed or too wide
   set,           ///< a sequence number set of more than 256 bits
-  data,          ///< a DATA without data, key and status, or with both data and key
+  data,          ///< a DATA with neither data nor key nor status, or with both data and key
   fragment,      ///< fragments that do not fit their sample, or a sample above 16 MB
   parameters,    ///< an unterminated parameter list, or a text longer than its parameter
   announcement,  ///< a participant announcement without a lease or in another one's name
@@ -44,9 +44,9 @@ struct GuardCounts {
   std::array<std::uint64_t, kRefusals> refused{};  ///< datagrams by Refusal; [none] stays 0
   std::uint64_t handed_over = 0;                   ///< datagrams passed on to the library
   std::uint64_t ignored = 0;  ///< announcements of other clients ignored by a client
-  std::uint64_t judged = 0;   ///< participants removed: silent, or gone unnoticed by the library
-  /// Datagrams with heartbeats of participants that have just returned, and all datagrams of
-  /// discovery servers that have.
+  std::uint64_t judged = 0;  ///< participants removed: silent, or gone without the library noticing
+  /// Datagrams held back: those with heartbeats of participants that have just returned, and all
+  /// from discovery servers that have just returned.
   std::uint64_t held_back = 0;
   std::uint64_t kept = 0;  ///< participants watched now
 

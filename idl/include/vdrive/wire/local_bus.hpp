@@ -16,7 +16,7 @@ namespace vdrive::wire {
 /// bus of its parent. Thread-safe.
 class LocalBus {
  public:
-  /// Work of a bench that the threads of its clients do.
+  /// The work of a bench, done by the threads of its clients.
   struct Work {
     /// Does pending work, unless another thread is doing it; does not wait. Returns after some of
     /// the work, because the caller may already have what it waits for.

@@ -29,8 +29,8 @@ enum class Role : std::uint8_t { other, service, client };
 struct NetworkSettings {
   std::uint32_t domain = 0;               ///< DDS domain, 0 to 232
   bool takes_default_domain = false;      ///< `domain` comes from default_domain() in ports.hpp
-  std::vector<std::string> interfaces{};  ///< in the networks to use: own addresses, or names such
-                                          ///< as eth0; empty = loopback only
+  std::vector<std::string> interfaces{};  ///< to use: own addresses, or names such as eth0;
+                                          ///< empty = loopback only
   std::vector<std::string> peers{};  ///< addresses or host names to query in addition to multicast
   std::vector<std::string>
       discovery_servers{};     ///< such as 10.0.0.9:11811, instead of multicast; first = id 0
@@ -45,8 +45,8 @@ struct NetworkSettings {
 };
 
 /// Receive buffer that a client requests for each of its sockets, limited by net.core.rmem_max
-/// [bytes]. The kernel reserves twice as much, including its overhead per datagram: 60 ms of the
-/// status of 4,096 axes at 1 kHz. Only waiting data takes up memory.
+/// [bytes]. The kernel reserves twice as much, including its overhead per datagram: enough for 60
+/// ms of the status of 4,096 axes at 1 kHz. Only waiting data takes up memory.
 inline constexpr std::uint32_t kReceiveBufferOfClient = 16U * 1024U * 1024U;
 
 /// DDS could not be set up; the message names the entity and the setting.
@@ -109,14 +109,15 @@ class Participant {
   /// @return the DDS domain; 0 on a local bus.
   [[nodiscard]] virtual std::uint32_t domain() const noexcept { return 0; }
 
-  /// @return whether it uses DDS Security; it then meets only participants of the same closed mode.
+  /// @return whether it uses DDS Security; it then exchanges data only with participants of the
+  ///         same closed network.
   [[nodiscard]] virtual bool is_closed() const noexcept { return false; }
 
   /// @return the source that its messages show.
   [[nodiscard]] virtual Source source() const noexcept = 0;
 
   /// Makes all participants read its announcement again. The library reads each announcement only
-  /// once, so a participant that had no room for it would not know this one until the announcement
+  /// once, so a participant that had no room for this one would not know it until its announcement
   /// changes.
   virtual void announce_again() {}
 

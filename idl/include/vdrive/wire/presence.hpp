@@ -15,15 +15,15 @@ namespace vdrive::wire {
 struct OtherParticipant {
   std::string name;
   Source source;
-  bool is_closed = false;  ///< it uses DDS Security: only participants of its closed mode meet it
+  bool is_closed = false;  ///< it uses DDS Security; see Participant::is_closed()
   std::string place{};     ///< NetworkSettings::place; arbitrary for other programs, may be empty
 };
 
 /// Which other participants exist, since when, and how certain that is. Over a network, a
-/// participant may exist that is not known yet, and one that has died may still be known; its
-/// samples show whether it is alive (PresenceByAge). On a local bus exactly the existing
-/// participants are known. Both answer the same questions. Thread-safe; answering takes no lock but
-/// its own, because handlers ask too.
+/// participant may exist without being known yet, and one that has died may still be known; the
+/// samples of a participant show whether it is alive (PresenceByAge). On a local bus exactly the
+/// existing participants are known (LocalParticipant). Thread-safe. These functions take no lock
+/// other than their own, because handlers call them too.
 class Presence {
  public:
   using Clock = std::chrono::steady_clock;
@@ -51,14 +51,15 @@ class Presence {
   ///         two find each other.
   [[nodiscard]] virtual bool may_have_double() const noexcept = 0;
 
-  /// @return whether a participant that has gone may return, so that a new one of that name
-  ///         continues it.
+  /// @return whether a participant that has gone may come back: a new one of the same name then
+  ///         takes its place.
   [[nodiscard]] virtual bool may_return() const noexcept = 0;
 
   // ---- since when, not counting times in which this program was stopped
 
-  /// @return for how long this program was stopped between the first call and `now`. While stopped
-  ///         it receives nothing, which says nothing about the others. 0 if that does not matter.
+  /// @return for how long this program was stopped between the first call and `now`. A stopped
+  ///         program receives nothing, so the silence of the others in that time proves nothing. 0
+  ///         if that does not matter.
   [[nodiscard]] virtual Clock::duration own_pauses(Clock::time_point now) = 0;
 
   /// @return how often to call own_pauses, so that a long gap can only be a pause; nothing if it
@@ -71,8 +72,7 @@ class Presence {
   }
 
   /// @param newest_sample of this participant; nothing = none has arrived
-  /// @return for how long it has given no sign of life; nothing if it does not exist as far as
-  ///         known.
+  /// @return for how long it has given no sign of life; nothing if it is not known to exist.
   [[nodiscard]] virtual std::optional<Clock::duration> silence(
       const Source& source, std::optional<Clock::time_point> newest_sample,
       Clock::time_point now) const noexcept = 0;

@@ -41,7 +41,7 @@ class PresenceByAge final : public Presence {
 
   [[nodiscard]] bool may_have_double() const noexcept override { return true; }
 
-  /// True for a service that restarts.
+  /// Always true: a service may restart.
   [[nodiscard]] bool may_return() const noexcept override { return true; }
 
   [[nodiscard]] Clock::duration own_pauses(Clock::time_point now) override;

@@ -60,8 +60,9 @@ enum class RequestClock : std::uint8_t {
 /// A kind of request.
 struct RequestKindRow {
   msg::RequestKind kind{};
-  /// In addition to the members that every request has. Others are ignored, except `session`: in
-  /// every request it is a sign of life, and it identifies the sender in events.
+  /// The members that this kind uses in addition to those that every request has. Others are
+  /// ignored, except `session`: in every request it is a sign of life, and it identifies the sender
+  /// in events.
   RequestMembers uses;
   RequestCaller caller = RequestCaller::anybody;
   RequestClock clock = RequestClock::any;

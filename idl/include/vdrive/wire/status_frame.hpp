@@ -18,7 +18,7 @@ namespace vdrive::wire {
 /// The fields common to all axes of a status frame.
 struct StatusFrameHead {
   std::uint32_t bench = 0;
-  std::uint32_t skipped_ticks = 0;  ///< jumped over by the tick number in this run, modulo 2^32
+  std::uint32_t skipped_ticks = 0;  ///< jumped over in this run of the bench, modulo 2^32
   std::uint64_t incarnation = 0;
   std::uint64_t tick = 0;
   std::int64_t time_ns = 0;

@@ -82,7 +82,7 @@ class Subscription final {
   Message message_{};  ///< keeps its capacity from sample to sample
   Decoding decoding_ = Decoding::malformed;
   std::atomic<std::size_t> malformed_{0};
-  std::unique_ptr<SampleReader> reader_;  ///< last, so destroyed first: delivery must stop
+  std::unique_ptr<SampleReader> reader_;  ///< last, so destroyed first: delivery stops
 };
 
 }  // namespace vdrive::wire

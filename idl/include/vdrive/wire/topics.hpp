@@ -23,9 +23,9 @@ struct TopicQuality {
   bool reliable = false;
   bool transient_local = false;
   bool keep_all = false;  ///< for readers, and for writers unless `writer_keeps_newest`
-  /// The writer drops samples that a reader does not fetch in favour of newer ones. One writer
-  /// sends the replies to many clients, and a client that hangs must not block the replies to the
-  /// others.
+  /// The writer drops samples that a reader has not fetched, to make room for newer ones. One
+  /// writer sends the replies to many clients, and a client that hangs must not block the replies
+  /// to the others.
   bool writer_keeps_newest = false;
   std::int32_t depth = 1;      ///< samples kept per instance
   std::int32_t instances = 1;  ///< number of keys in the domain

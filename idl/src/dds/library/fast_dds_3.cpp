@@ -31,9 +31,9 @@ void add_discovery_server(const rtps::Locator_t& server, dds::DomainParticipantQ
   discovery.m_DiscoveryServers.push_back(server);
 }
 
-/// A client of a discovery server accepts any size: it copies an announcement into its history
-/// (SerializedPayload_t::reserve), where 3.1.2 would reallocate memory of a preallocated pool and
-/// crash.
+/// For a client of a discovery server there is no limit: it copies each announcement into its
+/// history (SerializedPayload_t::reserve), and with the preallocated pool that a limit needs, 3.1.2
+/// would reallocate memory of that pool and crash.
 void limit_announcements(dds::DomainParticipantQos& qos, std::uint32_t largest) {
   auto& builtin = qos.wire_protocol().builtin;
   if (!builtin.discovery_config.m_DiscoveryServers.empty()) return;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // The differences between Fast DDS 2 and 3: names, and classes derived from those of the library.
-// The rest of the wire library names neither version. Both files define the same interface; CMake
-// compiles the source for the version that it has found.
+// The rest of the wire library names neither version. fast_dds_2 and fast_dds_3 define the same
+// interface; CMake compiles the source for the version that it has found.
 #pragma once
 
 #if __has_include(<fastrtps/config.h>)
