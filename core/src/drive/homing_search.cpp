@@ -15,8 +15,8 @@ namespace {
 
 using namespace vdrive::literals;
 
-/// Following error [UU] from which a standing axis counts as being against a stop. An axis that
-/// starts under load also stands still and has torque.
+/// Following error [UU] from which a standing axis counts as being against a stop. Standstill and
+/// torque alone are no proof: an axis that starts under load has both.
 constexpr double kLagAtStop = kUserUnitsPerRevolution / 64.0;
 
 void go_on(Drive& drive, HomingStage stage) {
@@ -59,8 +59,8 @@ void reach_limit_switch(Drive& drive) {
   go_on(drive, turns ? HomingStage::seek_back : HomingStage::failed);
 }
 
-/// Standing starts with a tick within 606Fh. From then on the position counts: it may change by at
-/// most the distance covered at that speed in 5E18h:02. The velocity of a single tick is the
+/// The axis stands from the first tick with a velocity within 606Fh for as long as its position
+/// changes by no more than that velocity covers in 5E18h:02. The velocity of a single tick is the
 /// difference of two readings and so too sensitive to noise.
 /// @return whether the axis stands.
 bool is_stationary(const Drive& drive) {

@@ -110,8 +110,8 @@ void interrupt(Drive& drive) {
   }
 }
 
-/// Halt has ended. Its stop has set the target to where it came to rest, but the way back leads to
-/// home.
+/// Halt has ended. Its stop has made the position of rest the target, but the target of the way
+/// back is home.
 void continue_run(Drive& drive) {
   DriveState& s = drive.state();
   if (s.modes.homing.stage != HomingStage::back) return;
@@ -203,7 +203,8 @@ MotionRequest normal_stop(const Drive& drive) {
   return ramp_stop(drive, "homing_acceleration"_object);
 }
 
-/// Searches at 6099h with 609Ah; the way back to home is a move.
+/// Searches at the speeds of 6099h with the acceleration 609Ah; the way back to home is a move to a
+/// target.
 MotionRequest travel(const Drive& drive) {
   const bool searches = searches_at_speed(drive.state().modes.homing.stage);
   const double speed =

@@ -14,7 +14,7 @@ enum class HomingStage : std::uint8_t {
   leave,      // away from it
   seek,       // towards the home switch
   seek_back,  // the same in reverse, after a limit switch
-  clear,      // off the home switch, to the side home is approached from
+  clear,      // off the home switch, to the side from which home is approached
   approach,   // towards the edge of the home switch where home is
   push,       // towards the mechanical stop
   press,      // against it: the demand stands still

@@ -63,7 +63,7 @@ void take_record(Drive& drive, ObjectRow row) {
 }
 
 /// The first record of the buffer starts when the previous one has ended. Without a buffer it
-/// starts immediately, and the same record again is ignored.
+/// starts immediately, and a repetition of the same record is ignored.
 void pull_record(Drive& drive) {
   StreamState& stream = drive.state().modes.stream;
   RecordBuffer& buffer = drive.registers().record_buffer;

@@ -78,8 +78,9 @@ bool is_timed(const SetPoint& set_point) {
   return is_synchronous(set_point) && set_point.synchronous_move_reference_way == 0;
 }
 
-/// A master sees the end of a motion only in 6062h and 606Bh. These are rounded, so they show it up
-/// to half a unit early, while a fraction of a microsecond or of a rounded time may remain.
+/// A master sees the end of a motion only in 6062h and 606Bh. These are rounded, so they show the
+/// end up to half a unit early, when the motion may still have a fraction of a microsecond, or of a
+/// rounded time, to go.
 /// @return whether the demand is at rest or already shown as arrived.
 bool shows_rest(const Drive& drive) {
   const DriveState& s = drive.state();
@@ -182,8 +183,8 @@ void command(Drive& drive, const WrittenControlword& word) {
   }
 }
 
-/// A target beyond a limit switch is given up: bit 10 stays 0 until a new set-point. A target
-/// before it is approached after the stop.
+/// A target beyond a limit switch is given up: bit 10 stays 0 until a new set-point. A target short
+/// of the switch is still approached after the stop.
 void advance(Drive& drive) {
   DriveState& s = drive.state();
   const double ahead = s.target.given ? s.target.position - demand_position(drive) : 0.0;
