@@ -5,8 +5,8 @@
 
 namespace vdrive::tool {
 
-// Each row is defined in the file of its command: commands/move.cpp has kMove, commands/power.cpp
-// those of commands with only axes as arguments.
+// Each row is defined in the file of its command: kMove in commands/move.cpp, the rows of commands
+// that take only axes in commands/power.cpp.
 extern const CommandRow kList;
 extern const CommandRow kStatus;
 extern const CommandRow kDescribe;

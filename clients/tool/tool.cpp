@@ -112,7 +112,7 @@ ExitCode run_command(std::vector<std::string> arguments, const std::shared_ptr<w
 /// @return the exit code; failures have been reported.
 ExitCode run_reported(std::vector<std::string> arguments,
                       const std::shared_ptr<wire::LocalBus>& bus, Terminal& terminal) {
-  // A command line with a mistake has not been parsed into options.
+  // Searched for in the words, because a command line with a mistake has no parsed options.
   const bool is_json = std::ranges::find(arguments, "--json") != arguments.end();
   try {
     return run_command(std::move(arguments), bus, terminal);

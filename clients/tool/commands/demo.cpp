@@ -31,11 +31,11 @@ using namespace std::chrono_literals;
 /// How long an axis is left alone after a visitor has taken or stopped it, or it has had a fault.
 constexpr auto kLeftAlone = 3s;
 constexpr auto kPoll = 200ms;
-// The bench has just been started, and the machine may be busy.
+// Long, because the bench has just been started and the machine may be busy.
 constexpr auto kStart = 60s;
 constexpr auto kEnd = 5s;
 
-/// Clients of the gateway must send it, because other machines may reach the gateway.
+/// @return a token that clients of the gateway must send, because other machines may reach it.
 std::string random_token() {
   std::random_device source;
   std::uniform_int_distribution<std::size_t> digit(0, 15);

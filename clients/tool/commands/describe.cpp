@@ -41,7 +41,8 @@ client::Result<std::map<std::uint32_t, client::BenchInfo>> benches_of(
   return benches;
 }
 
-/// @param shown status of the axes; axes of a bench that did not answer are left out
+/// @param shown status of the axes; an axis that it lacks, because its bench did not answer, is
+///        left out of the result
 std::vector<DescribedAxis> read_objects(const std::vector<client::Axis>& axes,
                                         const AxisStates& shown) {
   std::vector<DescribedAxis> read;

@@ -123,7 +123,8 @@ namespace {
 
 using client::Outcome;
 
-/// @throws UsageError for 1.1, which is more often an axis without a condition than 1.1 s.
+/// @throws UsageError for a text such as 1.1: the user more often means an axis, and has forgotten
+///         the condition, than 1.1 s.
 Duration parse_time(const std::string& text) {
   if (!client::parse_axis_id(text)) return parse_duration(text);
   throw UsageError(in_quotes(text) + " is an axis: write what to wait for, such as 'wait " + text +
@@ -172,7 +173,7 @@ std::vector<std::string> complete_wait(std::span<const std::string> before,
   return words;
 }
 
-/// On the benches whose axes earlier commands have named, or on the only one.
+/// Waits on the benches whose axes earlier commands have named, otherwise on the only bench.
 Outcome wait_for_time(Duration duration, CommandContext& context) {
   if (context.axes.benches().empty()) {
     const auto only = find_bench(context.session, std::nullopt,

@@ -193,7 +193,8 @@ void WriteCommand::declare(Arguments& arguments) {
 }
 
 void WriteCommand::check_objects() const {
-  // A quantity is known only when the axis is; the drive then refuses a bad one.
+  // A value with a unit can be converted only when the axis is known; the drive then refuses a bad
+  // value.
   if (!quantity) check_value_written(object, value);
 }
 
@@ -247,7 +248,7 @@ std::vector<Disturbance> inputs_of(const std::string& kind, const std::string& v
   throw UsageError(message + " or none" + suggestion(kind, names_of_disturbances()));
 }
 
-/// Several inputs together mean that all are cleared: one line, or one JSON object.
+/// Clears the inputs, and prints one line, or one JSON object, for all of them.
 Outcome clear_all(CommandContext& context, client::Axis& axis,
                   const std::vector<Disturbance>& inputs) {
   client::Result<std::uint64_t> tick = std::uint64_t{0};

@@ -9,8 +9,8 @@
 namespace vdrive::tool {
 namespace {
 
-/// The service uses this name (docs/guides/configuration.md), but only the service knows its
-/// directory.
+/// The service stores the parameters in a file of this name (docs/guides/configuration.md). Only
+/// the service knows the directory of the file.
 Field file_field(const client::Axis& axis, const std::string& end) {
   const std::string bench = std::to_string(axis.id().bench);
   const std::string file = "bench-" + bench + ".parameters";

@@ -336,8 +336,8 @@ Outcome record_and_draw(const PlotCommand& command, CommandContext& context) {
   }
 }
 
-/// Whether `source` is a recording. An axis has neither such an extension nor a slash; a file may
-/// have the same name as an axis.
+/// Whether `source` is a recording. The name of an axis has neither the extension of a recording
+/// nor a slash; a file without them may have the same name as an axis, which --duration selects.
 bool is_file(const PlotCommand& command) {
   std::error_code error;
   return recording::format_of(command.source) || command.source.find('/') != std::string::npos ||

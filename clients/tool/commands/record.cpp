@@ -129,7 +129,7 @@ Outcome RecordCommand::run(CommandContext& context) const {
   tracks.reserve(benches.size());
   for (auto& [number, bench] : benches) tracks.push_back(std::move(bench));
   Recorder recorder(context.session, context.output.terminal, choice);
-  const EndOfProgress end_of_progress(context.progress);  // it calls the recorder
+  const EndOfProgress end_of_progress(context.progress);  // the progress line uses the recorder
   context.progress.tell([&recorder] {
     return recorder.progress();
   });

@@ -93,7 +93,7 @@ class Editor {
         session_(session),
         history_(history_init()),
         editor_(el_init("vdrive", stdin, stdout, stderr)) {
-    // It reads multi-byte characters by the encoding of the locale.
+    // libedit reads multi-byte characters in the encoding of the locale.
     // NOLINTNEXTLINE(concurrency-mt-unsafe): no other thread uses the locale
     static_cast<void>(std::setlocale(LC_CTYPE, ""));
     HistEvent event{};
@@ -125,8 +125,8 @@ class Editor {
   Editor& operator=(const Editor&) = delete;
 
   std::optional<std::string> next() {
-    // Before the prompt: the editor would do it only afterwards, and until then the terminal would
-    // edit the input, and Ctrl-C would be a signal that no thread waits for.
+    // The editor would prepare the terminal only after the prompt. Until then the terminal would
+    // edit the input itself, and Ctrl-C would be a signal that no thread waits for.
     el_set(editor_, EL_PREP_TERM, 1);
     int length = 0;
     const char* const line = el_gets(editor_, &length);
@@ -238,7 +238,7 @@ class LineReader {
       const std::size_t searched = ahead_.size();
       ahead_.append(block.data(), static_cast<std::size_t>(count));
       end = ahead_.find('\n', searched);
-      // Keeps just enough of a line that is too long to refuse it.
+      // Of a line that is too long, keeps just enough for it to be refused.
       if (end == std::string::npos && ahead_.size() > kLongestLine) ahead_.resize(kLongestLine + 1);
     }
     std::string line = ahead_.substr(0, end);

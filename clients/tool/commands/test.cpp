@@ -61,7 +61,7 @@ struct TestCommand {
 
   void declare(Arguments& arguments);
 
-  /// @return the result of conclude(); of a merge, that of its reports.
+  /// @return the result of conclude() or, with `merges`, the result in the merged reports.
   /// @throws UsageError before anything starts: for a mistake in a file, in the configuration or in
   ///         an option, and for a report that cannot be written.
   ExitCode start(const Program& program) const;

@@ -23,7 +23,7 @@ using AxesOfBenches = std::map<std::uint32_t, std::vector<client::AxisId>>;
 
 constexpr std::chrono::milliseconds kPatienceOfWatch{100};
 
-/// Wall time without a tick that ends a watch with a sample count, as it ends a step.
+/// A watch with a sample count ends after this wall time without a tick, as a step does.
 constexpr std::chrono::milliseconds kLongestStandstill = client::StepClock::kPatience;
 
 /// Takes everything each bench has sent since the last call; waits for a while if there is nothing.
@@ -151,7 +151,7 @@ Outcome WatchCommand::run(CommandContext& context) const {
     faces.emplace(axis.id(), AxisLabel{axis.name(), axis.unit(), bench->name});
     benches[axis.id().bench].push_back(axis.id());
   }
-  // A bench without axes is not one of ours.
+  // Every vdrived has axes: a bench without axes belongs to another program.
   if (benches.empty()) return Outcome::not_found("no bench has an axis");
   using Form = WatchView::Form;
   const bool is_table = context.output.terminal.is_interactive() && count == 0;

@@ -12,8 +12,8 @@
 namespace vdrive::tool {
 namespace {
 
-// Share of late ticks that is tolerated: a busy moment of an ordinary machine does not count as its
-// limit.
+// Share of late ticks that is tolerated, so that one busy moment of an ordinary machine does not
+// count as the limit of its performance.
 constexpr double kLateShare = 0.001;
 
 std::string percent(double share) {

@@ -56,7 +56,8 @@ struct Measurement {
   Lateness bare;  ///< a thread that sleeps until each millisecond
   Lateness ticks;
   RoundTrips steps;
-  double tick_of_an_axis = 0.0;  ///< and of sending its status; all axes move, one core [ns]
+  double tick_of_an_axis = 0.0;  ///< time of one core for a tick of an axis and for sending its
+                                 ///< status, while all axes move [ns]
   std::vector<StatusStreamFigures> streams;
 
   /// @return the number of axes that one core can step at 1 kHz, including sending their status.

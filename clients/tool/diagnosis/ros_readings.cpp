@@ -15,7 +15,7 @@ namespace {
 using std::chrono::milliseconds;
 using Clock = std::chrono::steady_clock;
 
-constexpr milliseconds kDiscovery{700};     // if no publisher is found until then, there is none
+constexpr milliseconds kDiscovery{700};     // if no publisher is found by then, there is none
 constexpr milliseconds kDiagnostics{1600};  // a bridge publishes them once a second
 constexpr milliseconds kTurn{20};           // polling period: a matched publisher wakes nobody
 

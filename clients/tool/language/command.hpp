@@ -69,8 +69,8 @@ struct CommandHelp {
   CommandGroup group = CommandGroup::none;
   std::string_view summary;
   std::string_view example;         ///< after "vdrive "
-  std::string_view help = {};       ///< ends its help in place of the example
-  Place deepest = Place::scenario;  ///< allowed here and in all places before
+  std::string_view help = {};       ///< end of its help, instead of the example
+  Place deepest = Place::scenario;  ///< allowed here and in the places before it
   bool needs_domain = true;         ///< false: also works with an invalid VDRIVE_DOMAIN
 };
 

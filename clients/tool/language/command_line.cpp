@@ -35,7 +35,7 @@ bool is_option(const std::string& argument) {
 
 using Words = std::vector<std::string>;
 
-/// @return the names of its options, such as "--json"; short ones are not worth completing.
+/// Adds the long names of the options, such as "--json"; short ones are not worth completing.
 void add_options(const CLI::App& app, Words& words) {
   for (const CLI::Option* const option : app.get_options()) {
     for (const std::string& name : option->get_lnames()) words.push_back("--" + name);
@@ -219,7 +219,7 @@ std::string unknown_option(const CLI::App& app, const std::string& name) {
   return in_quotes(name) + " is not an option" + suggestion(name, names_of_options(app));
 }
 
-/// @param how_to_list the commands, if no name is near
+/// @param how_to_list tells the user how to list the commands, if none has a similar name
 void check_command_name(const CLI::App& app, const std::string& name,
                         std::string_view how_to_list) {
   const std::vector<std::string> commands = names_of_commands(app);

@@ -177,7 +177,7 @@ class ScenarioReader {
   Mistakes mistakes_;
 };
 
-/// Reads lines of a file, but not the excess of lines far beyond the limit.
+/// Reads the lines of a file. Stops reading at a line that is longer than the limit.
 class LineSource {
  public:
   explicit LineSource(std::istream& input) : input_(input), buffer_(kLongestLine + 2) {}
@@ -251,7 +251,7 @@ std::vector<Scenario> load_scenarios(CommandTable commands, const std::vector<st
     }
   }
   if (mistake == Mistake::refuses_all) mistakes.throw_if_any();
-  // A file that was not read to its end may use any variable.
+  // A file with a mistake was not read to its end: the rest of it may use any variable.
   const bool are_whole = std::ranges::all_of(scenarios, [](const Scenario& one) {
     return one.mistake.empty();
   });

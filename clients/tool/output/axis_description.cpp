@@ -35,8 +35,8 @@ constexpr std::array kModelObjects{
 };
 
 /// @return whether a user may have changed the object from its default. The count of the history
-///         (1003h:0) does not qualify: it is written only to clear it, and differs after each
-///         fault.
+///         (1003h:0) does not qualify: users write it only to clear the history, and every fault
+///         changes it.
 bool can_differ(const ObjectDescription& object) {
   return object.access == Access::read_write && object.change != Change::memory &&
          object.change != Change::history;

@@ -27,7 +27,7 @@ using Clock = std::chrono::steady_clock;
 // Kept events arrive in one burst once the reader is matched; nothing marks its end.
 constexpr std::chrono::milliseconds kQuiet{500};
 constexpr std::chrono::seconds kLongest{5};
-constexpr std::chrono::seconds kLongestOfFollower{1};  // a follower waits for new events
+constexpr std::chrono::seconds kLongestOfFollower{1};  // kLongest would delay new events too long
 constexpr std::chrono::milliseconds kPeriod{50};       // an interrupt does not wake the queue
 
 // A stopped terminal takes no lines; waiting events must not fill the memory.
@@ -145,8 +145,8 @@ void print(const Event& event, bool is_json, const SessionNameOf& name_of, Termi
   terminal.print(color ? colored(terminal, *color, text) : text);
 }
 
-/// Passes on the events that the benches keep, by tick, and with `follow` later ones, while
-/// `goes_on` holds.
+/// Passes on the events that the benches keep, sorted by tick. If `follow` is set, also passes on
+/// later events as long as `goes_on` returns true.
 template <typename GoesOn, typename Take>
 std::uint64_t take_events(client::Session& session, bool follow, const GoesOn& goes_on,
                           const Take& take) {
@@ -160,7 +160,7 @@ std::uint64_t take_events(client::Session& session, bool follow, const GoesOn& g
   std::vector<Event> kept;
   const auto begin = Clock::now();
   auto last = begin;
-  // A bench with constant events is never quiet.
+  // A bench that reports events all the time is never quiet.
   const auto end = begin + (follow ? kLongestOfFollower : kLongest);
   while (goes_on() && last < end && Clock::now() - last <= kQuiet) {
     if (auto event = queue.next(kPeriod)) {

@@ -20,8 +20,8 @@ namespace vdrive::tool {
 /// @return one object for each rule.
 [[nodiscard]] std::vector<Json> rules_json();
 
-/// @param fail_on findings of this severity and above are failures, the others output of a passed
-///        case
+/// @param fail_on findings of this severity and above are failures; the others appear in the output
+///        of a passed case
 /// @return one suite with a case for each rule; a rule that could not be judged on any axis is
 ///         skipped.
 [[nodiscard]] JunitSuite judge_junit(const judge::Verdict& verdict, const judge::ReportLabels& face,

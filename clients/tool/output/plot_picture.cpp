@@ -31,8 +31,8 @@ constexpr double kSmallestPanel = 40.0;
 constexpr double kLetter = 6.8;  // approximate width of a letter in the small font
 
 constexpr std::size_t kMostBins = 2'000;
-constexpr std::size_t kMostPoints = 8'000;  // bins of all curves together; two points of 13 bytes
-                                            // each
+constexpr std::size_t kMostPoints = 8'000;  // bins of all curves together; each bin has two points
+                                            // of 13 bytes
 constexpr std::size_t kMostDescribedStates = 200;  // with a tooltip
 constexpr std::size_t kColors = 3;
 

@@ -30,8 +30,8 @@ struct Field {
   std::string text{};  ///< in the line of text, with its unit; empty = only in JSON
 };
 
-/// The answer of a command: its fields, in the order of both forms. A phrase about several fields
-/// is the text of the last one.
+/// The answer of a command: its fields, in the order in which both JSON and text show them. A
+/// phrase about several fields is stored as the text of the last of them.
 using Record = std::vector<Field>;
 
 /// @return the fields as an object; the last of equal names counts.
@@ -63,7 +63,7 @@ void add_members(Record& record, const Json& object);
 /// @return the name of a session: program, process and host, or null.
 [[nodiscard]] Json name_json(const std::optional<client::SessionName>& name);
 
-/// Adds `outcome`; for a failure also `code` and `message`, and the session in the way.
+/// Adds `outcome`; for a failure also `code` and `message`, and the owner of the axis, if known.
 void add_outcome(Record& record, const client::Outcome& outcome);
 
 }  // namespace vdrive::tool

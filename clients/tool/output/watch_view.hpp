@@ -28,7 +28,7 @@ struct WatchChoice {
   std::size_t first = 0;  ///< row of the first axis shown; beyond the end: the last page
 };
 
-/// @return the face of a watched axis.
+/// @return the label of a watched axis.
 /// @pre `faces` has it
 [[nodiscard]] const AxisLabel& face_of(const client::AxisId& axis,
                                        const std::map<client::AxisId, AxisLabel>& faces);

@@ -18,7 +18,7 @@ namespace {
 
 using Wire = PrivateBenches::Wire;
 
-// A bench over DDS has just been started, and the machine may be busy.
+// Long, because a bench over DDS has just been started and the machine may be busy.
 constexpr std::chrono::seconds kFindTimeout{60};
 
 constexpr const char* kDds = "dds";

@@ -47,7 +47,8 @@ std::vector<std::string> command_of_process(const std::vector<std::string>& word
 }
 
 FileResults::FileResults() : file_(process::kChildResults) {
-  // Not for the service of a bench. Without the descriptor nothing is told.
+  // The service of a bench must not inherit the descriptor. If this process was started without the
+  // descriptor, the call fails, and no results are reported.
   (void)fcntl(file_.get(), F_SETFD, FD_CLOEXEC);  // NOLINT(*-vararg)
 }
 

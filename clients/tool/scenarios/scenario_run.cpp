@@ -84,7 +84,7 @@ class AxisSearch {
   client::Session& session_;
   std::map<std::uint32_t, std::string> benches_;
   std::map<std::string, std::string> names_;  ///< names that no axis has
-  bool is_alone_ = false;                     ///< there is no bench that could have another name
+  bool is_alone_ = false;                     ///< no bench was found, so there are no names
 };
 
 /// The execution of one scenario.
@@ -352,7 +352,7 @@ class ScenarioRuns {
     Outcome outcome = runs_[place]->run();
     was_interrupted_ = runs_[place]->was_interrupted();
     suites_.push_back(std::move(*runs_[place]).suite());
-    // The next file is a separate master.
+    // Releases the axes, because the next file is a separate master.
     if (Outcome released = session_.release(); !released && outcome) return released;
     return outcome;
   }

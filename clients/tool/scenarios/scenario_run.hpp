@@ -34,8 +34,8 @@ struct RunOptions {
 client::Outcome run_scenarios(const std::vector<Scenario>& scenarios, const RunOptions& options,
                               JunitReport& junit, client::Session& session, Terminal& terminal);
 
-/// Checks the axes of all scenarios as run_scenarios() does, and writes the report if one is
-/// missing. Executes nothing.
+/// Checks the axes of all scenarios as run_scenarios() does; if an axis is missing, writes the
+/// report. Executes nothing.
 client::Outcome check_scenarios(const std::vector<Scenario>& scenarios, const RunOptions& options,
                                 JunitReport& junit, client::Session& session, Terminal& terminal);
 

@@ -48,7 +48,7 @@ std::uint64_t index_in_array(std::uint64_t task, std::size_t count) {
     throw UsageError(std::string("--shard: ") + kTask + " is set without " + kFirstTask + " and " +
                      kTasks + ": write I/N");
   }
-  // A part of the array that was submitted again has different numbers.
+  // If a part of the array was submitted again, its task numbers no longer match its size.
   if (*tasks != count || task < *first) {
     throw UsageError("--shard /" + std::to_string(count) + ": the array has " +
                      counted(*tasks, "task", "tasks") + " from " + std::to_string(*first) +

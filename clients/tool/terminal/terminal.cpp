@@ -193,8 +193,9 @@ void Terminal::draw_progress() {
   (void)std::fflush(stderr);
 }
 
-/// The number of rows was correct for the terminal size at that moment. If a terminal made narrower
-/// has wrapped them since, some rows remain: better than to erase lines that are not ours.
+/// The number of rows was correct for the terminal size when they were drawn. If the terminal has
+/// become narrower since and has wrapped them, some rows remain: that is better than erasing lines
+/// that are not ours.
 void Terminal::erase_live() {
   for (; live_rows_ > 0; --live_rows_) put(kEraseRowAbove);
 }

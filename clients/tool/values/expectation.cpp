@@ -31,7 +31,8 @@ std::uint64_t distance(std::int64_t a, std::int64_t b) {
                : static_cast<std::uint64_t>(b) - static_cast<std::uint64_t>(a);
 }
 
-/// `not_equal` is always possible; the other comparisons hold at an end of the range or nowhere.
+/// `not_equal` is always possible, and `equal` within the range. Any other comparison that some
+/// value fulfils is also fulfilled by an end of the range.
 bool is_possible(const Expectation& expectation, const ObjectDescription& object) {
   return expectation.comparison == Comparison::not_equal ||
          expectation.accepts(object.lower_limit) || expectation.accepts(object.upper_limit) ||

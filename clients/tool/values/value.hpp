@@ -37,8 +37,8 @@ struct ObjectName {
 /// @return the objects with these names.
 [[nodiscard]] std::vector<ObjectName> parse_objects(const std::vector<std::string>& texts);
 
-/// @return " (did you mean 'x'?)" with the name nearest to that of an object that does not exist,
-///         or nothing.
+/// @param name not the name of an object
+/// @return " (did you mean 'x'?)" with the nearest name, or nothing if none is near.
 [[nodiscard]] std::string object_suggestion(std::string_view name);
 
 /// Numbers and durations as in vdrive/number_text.hpp, with limits and error messages for users.
