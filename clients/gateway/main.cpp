@@ -137,7 +137,7 @@ std::string url_of(const std::string& address, std::uint16_t port) {
 }
 
 int serve(Arguments& arguments) {
-  // A client may be gone when its answer is written: that is an error of this write, no end.
+  // A client may be gone when its answer is written. Only that write must fail, not the process.
   std::signal(SIGPIPE, SIG_IGN);  // NOLINT(cert-err33-c): it cannot fail for this signal
   read_texts(arguments);
   const WebSettings& settings = arguments.web;

@@ -41,8 +41,8 @@ bool is_address(std::string_view name) {
   });
 }
 
-/// A page of the gateway itself has the same host as origin. With https there is a proxy in
-/// between.
+/// A page of the gateway itself has the same host as origin. Its scheme is https if a proxy adds
+/// TLS.
 bool is_own_origin(const UpgradeRequest& request, const AdmissionRules& rules) {
   for (const std::string_view scheme : {"http://", "https://"}) {
     if (is_same_text(request.origin, std::string(scheme).append(request.host))) return true;

@@ -15,7 +15,7 @@ enum class Refusal : std::uint8_t {
   origin,       ///< a foreign page
   token,        ///< missing or wrong
   subprotocol,  ///< none of those offered is supported
-  clients,      ///< the most clients are already connected
+  clients,      ///< the limit of clients is reached
 };
 
 inline constexpr std::size_t kRefusals = 5;

@@ -328,7 +328,8 @@ void BenchFeed::publish_description() {
   send(channels_.description, time_of(known.info.tick), description_text(known));
 }
 
-/// Published even without receivers, as the clock of the tools, and while the bench is silent.
+/// Called even while the bench is silent. Without receivers, only publishes the time, which is the
+/// clock of the clients' tools.
 void BenchFeed::publish_state(Clock::time_point now) {
   const bool is_first = channels_.state->has_new_receiver.exchange(false);
   if (!is_first && now < next_state_) return;

@@ -35,7 +35,8 @@ BenchWatch::BenchWatch(client::Session& session, EventLog& events, FeedSettings 
 }
 
 BenchWatch::~BenchWatch() {
-  // First the callbacks, which use the feeds; these calls return when no callback is running.
+  // The callbacks use the feeds, so they are removed first. These calls return when no callback is
+  // running.
   session_.watch_services({});
   session_.on_event({});
   thread_.request_stop();

@@ -12,7 +12,7 @@
 namespace vdrive::gateway {
 namespace {
 
-// parse_address reads a sub-index as a decimal number.
+// A sub-index is written with two decimal digits, because parse_address reads it as decimal.
 constexpr std::size_t kDigitsOfSubindex = 2;
 static_assert(std::ranges::all_of(kObjectRows, [](const ObjectDescription& object) {
   return object.address.subindex < 100;

@@ -31,7 +31,7 @@ using Json = nlohmann::json;
 /// @param types schemas by name
 [[nodiscard]] Json object_schema(std::string_view members, const Json& types = Json::object());
 
-/// Names of the protocol, new and old: they differ only in name.
+/// The new and the old name of the protocol, whose messages are the same.
 inline constexpr std::array<std::string_view, 2> kSubprotocols{"foxglove.sdk.v1",
                                                                "foxglove.websocket.v1"};
 

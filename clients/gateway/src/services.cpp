@@ -142,7 +142,8 @@ Outcome command_axes(Session& session, std::vector<Axis>& axes, const AxesServic
     }
     return outcome;
   }
-  // On a paused bench, a group would wait for drive time to show the axes after a power cycle.
+  // Not a group for a power cycle: it would wait until a later tick shows the axes again, and on a
+  // paused bench there is none.
   if (axes.size() == 1 || service.command == EachCommand::power_cycle) {
     for (Outcome& outcome : session.command_each(axes, *service.command, options(service.until))) {
       if (!outcome) return std::move(outcome);

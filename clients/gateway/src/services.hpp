@@ -34,10 +34,10 @@ struct CallAnswer {
 
 /// The action of a service whose only arguments are axes.
 struct AxesService {
-  /// For the axes of one bench together, or none of them; none = `each`.
+  /// Commands all axes of one bench together, or none of them. Nothing = `each` is used.
   std::optional<client::EachCommand> command{};
   client::Until until = client::Until::done;
-  client::Outcome (client::Axis::*each)() = nullptr;  ///< otherwise: for one axis after the other
+  client::Outcome (client::Axis::*each)() = nullptr;  ///< commands one axis after the other
 };
 
 /// A service: a row of the table used by clients, the hub and the documents.

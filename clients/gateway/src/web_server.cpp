@@ -46,8 +46,8 @@ constexpr std::chrono::milliseconds kAcceptPause{100};
 constexpr std::chrono::milliseconds kWatchPeriod{250};
 // Ping answers are the only messages of a client that just receives: several fit into its patience.
 constexpr std::chrono::milliseconds kPingPeriod{500};
-// Each poll of parameters is one request to the bench for all clients: at most twice a second. A
-// page that opens subscribes to a thousand topics, which become one change of the graph.
+// A turn polls parameters with one request to the bench for all clients, so at most twice a second.
+// A page that opens subscribes to a thousand topics: in one turn, they are one change of the graph.
 constexpr std::chrono::milliseconds kTurn{500};
 // A report for each dropped message would add to the load that the client cannot read.
 constexpr std::chrono::milliseconds kDropReport{1000};
@@ -592,7 +592,8 @@ void WebServer::run(WebEvents& events) {
   state.watch();
   state.turn();
   state.context.run();
-  // Also if there was no time to announce the end to all: a server that ends releases control.
+  // Also ends connections to which the end could not be announced in time, so that control is
+  // released.
   for (const auto& [id, connection] : state.connections) {
     connection->announce_end();
     connection->end(true);

@@ -140,7 +140,7 @@ export class Bench {
 }
 
 /** Refers to an axis by its numbers: bench and description are looked up each time, because a restarted gateway or
- *  service brings new ones. Those of an axis that is away are kept. */
+ *  service brings new ones. While the axis is missing, its last bench and description are kept. */
 export class AxisRef {
   constructor(
     private readonly benches: ReadonlyMap<number, Bench>,
@@ -297,7 +297,7 @@ export class Model {
         if (this.control.you) this.outcome = { ok: false, text: t("control_lost") };
         this.control = { ...this.control, holder: "", you: false };
         this.forgetOwned();
-        this.askedEvents.clear(); // events until then are missed
+        this.askedEvents.clear(); // requested again, because events until the next connection are missed
         this.changed();
       },
       topicsChanged: () => this.follow(),
@@ -587,7 +587,7 @@ export class Model {
       for (const number of this.benches.keys()) {
         if (present.has(number)) continue;
         this.benches.delete(number);
-        this.askedEvents.delete(number); // events until then are missed
+        this.askedEvents.delete(number); // requested again, because events until the bench is back are missed
       }
       for (const [topic, end] of this.ends) {
         if (topics.has(topic)) continue;
@@ -633,7 +633,8 @@ export class Model {
     this.events.forget(bench.number);
     this.motions.forgetBench(bench.number);
     this.askedEvents.delete(bench.number);
-    // Its axes have no owner. A frame of the new run may have arrived before its description.
+    // The axes of the new run have no owner, so both maps are cleared, including any entry from a frame of the new run
+    // that arrived before this description.
     for (const axes of [this.owned, this.taken]) {
       for (const address of axes.keys()) if (address.startsWith(`${bench.number}.`)) axes.delete(address);
     }

@@ -69,7 +69,7 @@ export class RecordedAxis {
     const [bench, axis] = this.address.split(".").map(Number);
     const { address, name, unit } = this;
     const samples = new Samples({ address, bench, axis, name, unit }, { period, isRegular: true, capacity: this.count, hasControlword: false });
-    // The first one sets the count from which later losses are counted.
+    // `missed` of the first block is the base from which Samples counts later losses.
     for (let block = this.blocks.shift(); block !== undefined; block = this.blocks.shift()) {
       const { length, columns, ticks, missed } = block;
       const message: Message = { tick: ticks.subarray(0, length), missed: BigInt(missed) };
@@ -90,7 +90,7 @@ export interface Recorded {
   cut: string;
 }
 
-/** Nothing of such a file is shown. */
+/** The file has more than MOST_RECORDED_SAMPLES; nothing of it is shown. */
 export class TooLarge extends Error {}
 
 /** Counts the samples of all axes. */

@@ -231,8 +231,8 @@ export class Samples {
     return this.sampling.isRegular && step > JUMP * this.step && step * this.period >= SHORTEST_JUMP_S;
   }
 
-  /** The gateway counts missed ticks of its own stream; those while the page did not receive do not matter. Changes
-   *  during that time did not happen in this tick. */
+  /** Messages arrive again after a pause. Ticks that the gateway missed during the pause do not count as lost, and
+   *  changes during the pause must not be marked at this tick. */
   private resume(): void {
     this.wasAway = false;
     this.lostBefore = this.lost;

@@ -42,8 +42,8 @@ export interface HeldSetPoints {
  * @return undefined outside of profile position mode and of Operation enabled, and under halt, where bit 10 means
  *         standstill
  *
- * Bit 12 stays 1 while a set-point waits. It also stays 1 while bit 4 is 1: then the set-point taken last either waits,
- * is already being executed, or need not wait, which bit 5 shows.
+ * Bit 12 stays 1 while a set-point waits. It also stays 1 while bit 4 is 1: then the statusword does not show whether
+ * the set-point taken last waits or is already being executed. If bit 5 is 1, it does not have to wait.
  */
 export function heldSetPoints(control: number, status: number, mode: number): HeldSetPoints | undefined {
   if (mode !== PROFILE_POSITION || decodePowerState(status) !== "operation_enabled") return undefined;

@@ -167,8 +167,8 @@ export class Connection {
     };
   }
 
-  /** @param milliseconds how long the thread of the page may take no messages before the connection ends as a lost
-   *         one; back to 10 s after the connection has ended */
+  /** If the thread of the page takes no messages for this time, the connection ends as a lost one. The next connection
+   *  starts with 10 s again. */
   setPatience(milliseconds: number): void {
     this.order({ kind: "patience", milliseconds });
   }

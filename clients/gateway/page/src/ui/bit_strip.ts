@@ -34,7 +34,8 @@ export class BitStrip {
     this.root = h("div", { class: "plot strip-host" }, line, this.canvas);
   }
 
-  /** @param isNow it is in no history, and the present value does not belong to a paused plot */
+  /** Shows the number of set-points held. No history contains it, so there is none for a paused plot.
+   *  @param isNow the plot shows the present */
   show(isNow: boolean): void {
     const held = isNow ? this.samples.setPoints : undefined;
     put(this.held, held === undefined ? "–" : `${held.active} + ${held.waiting ?? "?"}`);

@@ -194,9 +194,10 @@ class Jog {
   end(): void {
     if (!this.pressed) return;
     this.pressed = false;
-    // The gateway needs it before it accepts a new press, even if the jog has already ended.
+    // The gateway needs the release before it accepts a new press, even if the jog has already ended. In that case
+    // call() is used, because command() would replace the line that shows why the jog ended.
     const release = { axis: this.jogged, velocity: 0 };
-    if (this.timer === 0) void this.model.connection.call("/jog", release); // keeps showing why it ended
+    if (this.timer === 0) void this.model.connection.call("/jog", release);
     else void this.model.command("/jog", release);
     this.stopRepeating();
   }
@@ -349,7 +350,7 @@ class TestInputs {
   }
 }
 
-/** All controls of some axes; controls that move a single axis only if there is one. */
+/** All controls of some axes. Controls that move a single axis are shown only if there is just one. */
 export class Commands implements View {
   readonly root: HTMLElement;
   private readonly needText = h("p", { class: "need" });

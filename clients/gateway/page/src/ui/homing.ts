@@ -26,7 +26,7 @@ export class Homing {
   private choice?: HTMLSelectElement;
   private built?: Dictionary;
 
-  /** @param read has HOMING_METHOD of the axes */
+  /** @param read polls HOMING_METHOD of the axes */
   constructor(
     private readonly model: Model,
     private readonly axes: () => AxisRef[],

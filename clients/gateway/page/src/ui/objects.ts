@@ -197,7 +197,7 @@ export class Objects implements View {
     const scale = this.model.scale(this.ref.axis);
     const isSame = this.built === this.model.dictionary && scale.name === this.builtIn?.name && scale.factor === this.builtIn.factor;
     if (this.model.dictionary !== undefined && !isSame) this.build();
-    // Users without control get no button that would be refused, but the reason.
+    // Users without control see the reason instead of buttons whose requests would be refused.
     const need = this.model.whyDisabled([this.ref], now);
     put(this.needText, need);
     mark(this.root, "looking", need !== "");

@@ -34,7 +34,7 @@ export function ask(place: HTMLElement, { text, label, name, agree, leave }: Ask
     end();
     agree();
   };
-  // The second click of a double click has moved the focus away.
+  // On the document, because the second click of a double click may have moved the focus out of the question.
   const escape = (event: KeyboardEvent) => {
     if (event.key === "Escape" || !place.isConnected) end();
   };

@@ -88,7 +88,7 @@ export class Scope implements View {
   private readonly observer: ResizeObserver;
   private errorWindow?: ErrorWindow;
   private run?: TriggerRun;
-  /** It was asked for every tick. */
+  /** The run for which every tick was requested from the black box. */
   private captured?: TriggerRun;
   private showsLastRun = true;
   private marks: PlacedMark[] = [];
@@ -645,14 +645,14 @@ export class Scope implements View {
     if (this.lastRunButton.disabled === hasLast) this.lastRunButton.disabled = !hasLast;
   }
 
-  /** A run is complete. If it is a single one, it stays. */
+  /** A run is complete. A single run remains shown. */
   private hold(run: TriggerRun): void {
     this.dirty = true;
     if (run.at === undefined || run.trigger.mode === "normal") return;
     this.zoom(this.runRange(run.at));
   }
 
-  /** As soon as the trigger is found: the black box keeps a fixed time before the request. */
+  /** Called as soon as the trigger is found, because the black box keeps a fixed time before the request. */
   private captureEveryTick(run: TriggerRun): void {
     if (!this.everyTick.checked || this.captured === run || run.trigger.mode !== "single" || run.found === undefined) return;
     this.captured = run;

@@ -203,7 +203,7 @@ export class Shell {
 
   private make(name: string, ref: AxisRef | undefined): View {
     this.traces.hide();
-    const [, query = ""] = location.hash.split("?"); // when the view is rebuilt: what it has shown
+    const [, query = ""] = location.hash.split("?"); // for a rebuilt view: the contents that it showed
     if (name === "scope") return new ScopeView(this.model, new LiveSource(this.model, this.traces), ref && addressOf(ref), query, this.scopeMemory);
     if (ref !== undefined) {
       const [trace] = this.traces.show([ref]);

@@ -17,7 +17,7 @@ export class Silence {
   /** The gateway has not answered yet. */
   private isUnderWay = false;
 
-  /** @param read has ABORT_OPTION_CODE of the axes */
+  /** @param read polls ABORT_OPTION_CODE of the axes */
   constructor(
     private readonly model: Model,
     private readonly axes: () => AxisRef[],
