@@ -84,7 +84,7 @@ class AxisSearch {
   client::Session& session_;
   std::map<std::uint32_t, std::string> benches_;
   std::map<std::string, std::string> names_;  ///< names that no axis has
-  bool is_alone_ = false;                     ///< no bench was found, so there are no names
+  bool is_alone_ = false;                     ///< no bench was found, so no axis has a name
 };
 
 /// The execution of one scenario.
