@@ -200,8 +200,8 @@ struct AsciiGatewayServer::State final : Port,
 
   void take_line(GatewaySession session, const StreamLine& line) {
     std::string_view text = line.text;
-    // Too long: the sequence alone is answered with a syntax error; the rest could pass as another
-    // command.
+    // Of a line that is too long, only the sequence is passed on, which is answered with a syntax
+    // error; the truncated rest could pass as another command.
     if (line.is_too_long) text = text.substr(0, text.find(' '));
     gateway.take_line(session, text, gateway_time());
   }

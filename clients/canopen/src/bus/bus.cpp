@@ -10,7 +10,7 @@ void Bus::attach(Port& port) {
 }
 
 void Bus::detach(Port& port) {
-  // A new port may get the same address while frames wait.
+  // Forgets the sender of waiting frames, because a new port may get the same address.
   for (Waiting& waiting : waiting_) {
     if (waiting.sender == &port) waiting.sender = nullptr;
   }

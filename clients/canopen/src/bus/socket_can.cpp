@@ -26,7 +26,7 @@ namespace {
 
 // At 1 Mbit/s, a transmit queue of 10 frames (the kernel's default) is sent in 1 ms.
 constexpr std::chrono::milliseconds kFullQueuePause{1};
-// While an interface fails, every operation fails immediately.
+// Pause after an error: while an interface fails, every operation fails immediately.
 constexpr std::chrono::milliseconds kCanErrorPause{100};
 // Frames read before others get their turn.
 constexpr int kMostFramesAtOnce = 64;

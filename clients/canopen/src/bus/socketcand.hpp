@@ -34,8 +34,8 @@ struct SocketcandTraffic {
 /// and eight in the extended one: clients distinguish the formats by it. Without data, two spaces
 /// precede the closing bracket: clients look for an empty field there.
 /// A line feed precedes the first bracket, because python-can 4.1 of Debian loses the character
-/// after each block of complete words: without it, the bracket of the next word. Any character
-/// after the last bracket would cause a warning of python-can for each block.
+/// after each block of complete words: without the line feed it would lose the bracket of the next
+/// word. Any character after the last bracket would cause a warning of python-can for each block.
 /// @param time when the frame was on the bus, from an arbitrary origin; below 0 = 0
 void append_socketcand_frame(std::string& out, const Frame& frame, std::chrono::microseconds time);
 

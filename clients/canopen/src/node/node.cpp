@@ -123,7 +123,7 @@ class Node::Parts final : private PdoHost {
                          ///< by NMT
   bool has_heartbeat_error_ = false;
   bool is_without_master_ = false;  ///< the last value passed to NodeHost::set_connection_lost()
-  bool has_left_by_nmt_ = false;    ///< the reason: then only an NMT start ends it
+  bool has_left_by_nmt_ = false;    ///< lost by an NMT command, so that only an NMT start ends it
 };
 
 void Node::Parts::start(const DriveView& drive, DriveTime now) {
@@ -140,7 +140,7 @@ void Node::Parts::start(const DriveView& drive, DriveTime now) {
 }
 
 /// Dispatches by state (CiA 301, 7.3.2.2.5): NMT and error control always, SDO not in Stopped, PDOs
-/// in Operational only, which start() and stop() tell Pdos.
+/// in Operational only: Pdos knows the state by its start() and stop().
 void Node::Parts::receive(const Frame& frame, DriveTime now) {
   if (state_ == NmtState::boot_up || frame.is_extended) return;
   now_ = now;
@@ -357,7 +357,7 @@ void Node::Parts::advance(DriveTime now) {
   sdo_.advance(now);
   emergency_.advance(now);
   pdos_.advance(now);
-  end_errors();  // 1029h: without PDOs there are no errors
+  end_errors();  // 1029h may have ended Operational, and with it the errors of PDOs
 }
 
 std::optional<DriveTime> Node::Parts::next_due() const {

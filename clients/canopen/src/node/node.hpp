@@ -17,8 +17,9 @@ namespace vdrive::canopen {
 /// Counters of a node since its construction; an NMT reset does not clear them.
 struct NodeCounters {
   std::uint64_t ignored_set_points = 0;  ///< RPDOs that would have acted while another session
-                                         ///< owned the axis: every asynchronous one, and the last
-                                         ///< of each synchronous one before a SYNC
+                                         ///< owned the axis: every frame of an asynchronous RPDO,
+                                         ///< but of a synchronous RPDO only the last frame before
+                                         ///< each SYNC
   std::uint64_t refused_set_points = 0;  ///< values of RPDOs that the drive has refused
   std::uint64_t dropped_pdos = 0;        ///< as PdoCounters::dropped
   std::uint64_t sdo_aborts = 0;          ///< sent by the node

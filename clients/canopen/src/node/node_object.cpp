@@ -156,7 +156,7 @@ struct PdoRow {
 constexpr std::size_t kPdosOfAKind = 4;
 using PdoRows = std::array<PdoRow, kPdosOfAKind>;
 
-// The mapping of CiA 402-3, with the velocity in the fourth.
+// The PDO mapping of CiA 402-3; the fourth RPDO carries the target velocity.
 constexpr PdoRows kReceiveRows{{
     {{0x1400, "RPDO 1 communication parameter", ObjectCode::record},
      {0x1600, "RPDO 1 mapping parameter", ObjectCode::record},

@@ -66,7 +66,7 @@ class ReceivePdo {
 
   [[nodiscard]] bool is_synchronous() const noexcept;
 
-  /// A length error is raised once, until a frame with another error or none arrives.
+  /// A length error is raised once, and again only after a frame with another error or with none.
   /// @pre awaits(frame)
   PdoReception receive(const Frame& frame, DriveTime now);
 
@@ -75,7 +75,7 @@ class ReceivePdo {
   /// @return whether there was data.
   bool take(SetPoints& set_points);
 
-  /// @return whether the event timer (:05) has elapsed since the latest frame: once, until the next
+  /// @return whether the event timer (:05) has elapsed since the latest frame; true only once per
   ///         frame.
   bool times_out(DriveTime now);
 

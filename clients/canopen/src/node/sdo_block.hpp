@@ -89,7 +89,7 @@ class SdoBlockDownload final {
   NodeHost& host_;
   std::size_t size_;
   bool has_crc_;
-  std::string data_;        ///< until its end, with the unused bytes of the last segment
+  std::string data_;        ///< the unused bytes of the last segment are removed at the end
   std::uint8_t taken_ = 0;  ///< segments received in order in the current block
   bool is_in_block_ = true;
 };

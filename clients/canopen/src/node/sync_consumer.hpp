@@ -51,7 +51,7 @@ class SyncConsumer {
   /// @return whether `frame` is a data frame in the base format with the CAN-ID of 1005h.
   [[nodiscard]] bool is_sync(const Frame& frame) const noexcept;
 
-  /// A length error is raised once, until a SYNC with the right length arrives.
+  /// A length error is raised once, and again only after a SYNC with the right length.
   /// @pre is_sync(frame)
   SyncReception receive(const Frame& frame, DriveTime now);
 
