@@ -18,15 +18,15 @@
 
 namespace vdrive::ros2 {
 
-/// The wish of the commanding thread for the control of all axes of a bench.
+/// A request of the commanding thread to take, keep or release the control of the axes of a bench.
 enum class ControlWish : std::uint8_t {
   take,       ///< as soon as they are free
   leave,      ///< keep the axes held, take no further ones
   give_back,  ///< release the axes held
 };
 
-/// A bench as shared by two threads: the one that commands it, and that of its FollowedBench, which
-/// may wait for it. Thread-safe; no call waits.
+/// A bench as shared by two threads: the one that commands it and never waits, and the one of its
+/// FollowedBench, which may wait for answers of the bench. Thread-safe; no call waits.
 class Bench {
  public:
   using State = std::shared_ptr<const client::Observation>;  ///< axes in the order of the joints

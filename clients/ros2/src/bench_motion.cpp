@@ -251,8 +251,8 @@ std::vector<std::size_t> BenchMotion::free_joints() const {
   return joints;
 }
 
-/// Position motions end without a command; a velocity or an effort would stay in force without a
-/// plan.
+/// Only for joints that are moved by velocity or effort: their last value would stay in force,
+/// whereas a motion to a position ends without further commands.
 void BenchMotion::brake_joints(const std::vector<std::size_t>& joints, const std::string& reason) {
   for (const std::size_t place : joints) {
     plans_[place].run(now_.joint(place), JointTask::velocity, 0.0);

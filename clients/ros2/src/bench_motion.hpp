@@ -82,7 +82,7 @@ class BenchMotion {
   /// Brakes the joints that follow this trajectory.
   void brake(std::uint64_t number);
 
-  /// @return the duties of the joints, in their order.
+  /// @return the task of each joint, in the order of the joints.
   [[nodiscard]] std::vector<JointTask> duties() const;
 
   /// @return the number of the trajectory that the joint follows, 0 = none.

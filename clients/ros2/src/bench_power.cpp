@@ -42,7 +42,8 @@ BenchPower::BenchPower(std::uint64_t session, Bench& bench, bridge::Reports& rep
 void BenchPower::want_enabled(bool wanted, bool resets_faults) {
   wants_enabled_ = wanted;
   resets_faults_ = wanted && resets_faults;
-  // Otherwise controlwords may be in flight, and the newest state older than they are.
+  // Both are kept when enabling is cancelled: controlwords may still be in flight, and the newest
+  // state may be older than they are.
   if (wanted) {
     to_enable_.assign(to_enable_.size(), true);
     words_due_ = {};
@@ -157,7 +158,8 @@ bool BenchPower::is_keep_alive_due(const client::Observation& state) {
                          std::ranges::any_of(state.axes, [this](const auto& axis) {
                            return axis.owner_session == session_;
                          });
-  // Absolute value: a bench that counts from a lower number also waits for its master.
+  // Absolute value, because a bench whose ticks start again from a lower number needs keep-alives
+  // too.
   const double passed =
       (static_cast<double>(state.tick) - static_cast<double>(kept_alive_at_)) * bench_.period();
   if (!is_needed || std::abs(passed) < kKeepAlive) return false;

@@ -54,8 +54,8 @@ class BenchPower {
   bool wants_enabled_ = false;
   bool resets_faults_ = false;
   bool has_to_give_back_ = false;  ///< release the axes once none of them is enabled
-  /// Axes not enabled since that was wanted; once it is no longer wanted, those with controlwords
-  /// in flight.
+  /// While wants_enabled_: axes that have not been enabled since it was set. Afterwards: axes for
+  /// which controlwords to enable them may still be in flight.
   std::vector<bool> to_enable_;
   std::vector<bool> was_in_fault_;
   int attempts_ = 0;

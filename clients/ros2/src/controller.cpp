@@ -18,7 +18,8 @@ using std::chrono::milliseconds;
 // While positions are being streamed, each cycle sends the next ones: the shortest lead is 8 ms.
 constexpr milliseconds kBusyTurn{2};
 constexpr milliseconds kTurn{5};  // a message wakes it earlier
-// A service manager and a user with Ctrl-C wait for the end; a bench may be away.
+// Limited, because a service manager or a user with Ctrl-C waits for the end, and a bench may have
+// gone.
 constexpr std::chrono::seconds kEnd{2};
 
 }  // namespace

@@ -25,8 +25,8 @@ class Controller final : private BenchAccess {
  public:
   /// @param session must outlive the controller, like the others
   /// @param inbox source of the messages
-  /// @param commands when the last node that writes them ends, joints moved by velocity or effort
-  ///        brake
+  /// @param commands the subscription to commands: when the last node that writes them ends, joints
+  ///        moved by velocity or effort brake
   /// @param participant of ROS; its guard counts the datagrams that it refuses
   Controller(client::Session& session, const Settings& settings, bridge::Reports& reports,
              Inbox& inbox, Board& board, const ros::Subscription<ros::JointState>& commands,

@@ -29,8 +29,8 @@ FollowedBench::FollowedBench(client::Session& session, Bench& bench, bridge::Rep
 void FollowedBench::on_open(const client::BenchInfo& /*info*/,
                             const std::vector<client::Axis>& axes) {
   axes_ = axes;
-  // The limits before the state, because the joints can be commanded once there is a state. A
-  // waiting request keeps waiting: its number is not known here.
+  // The limits before the state, because the joints can be commanded once there is a state. This
+  // answers no waiting request, whose number is not known here.
   read_limits(bench_.seen().limits_read);
 }
 
@@ -68,7 +68,8 @@ void FollowedBench::learn_names(const client::Observation& observation) {
   }
 }
 
-/// @param request the one answered by these values; a later one has them read again
+/// @param request number of the request that these values answer; a later request needs another
+///        read
 void FollowedBench::read_limits(std::uint64_t request) {
   limits_due_ = Clock::now() + kReadAgainAfter;
   auto limits = ros2::read_limits(axes_, bench_.joints());

@@ -61,8 +61,9 @@ class JointPath {
   /// @param points at least one; with increasing times, the first above 0
   JointPath(const JointMotion& start, std::span<const PathPoint> points);
 
-  /// @param time [s] since the start; before it, returns the start, after the end, rest at the last
-  ///        point
+  /// @param time [s] since the start
+  /// @return the motion at that time: before the start that at the start, after the end rest at the
+  ///         last point.
   [[nodiscard]] JointMotion at(double time) const noexcept;
 
   /// The duration [s].

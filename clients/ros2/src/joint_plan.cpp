@@ -318,8 +318,8 @@ bool JointPlan::put_value(const JointCycle& now, client::SetPoint& point) {
 
 std::optional<client::SetPoint> JointPlan::mode_point(const JointCycle& now, std::uint64_t tick) {
   if (!is_entering() || now.tick <= sent_for_) return std::nullopt;
-  // The drive shows this mode already, but another one may be in flight: wait until it must be the
-  // new one.
+  // The drive shows this mode already, but an earlier set-point with another mode may be in flight.
+  // So the mode counts only from the tick in which the new set-point acts.
   if (sent_for_ == 0 && now.axis.mode() == mode()) enters_at_ = tick;
   sent_for_ = tick;
   return begin_stream(now.joint.axis.axis, mode());

@@ -120,8 +120,9 @@ class JointPlan {
   ///         previous call.
   [[nodiscard]] client::SetPoint next_point(const JointCycle& now, std::uint64_t tick);
 
-  /// @param tick in which the drive will show it
-  /// @return the mode that the joint waits for, if it was not sent or the drive did not take it.
+  /// @param tick in which the drive will show the mode
+  /// @return the set-point with the mode that the joint waits for; nothing if that was sent and may
+  ///         still take effect.
   [[nodiscard]] std::optional<client::SetPoint> mode_point(const JointCycle& now,
                                                            std::uint64_t tick);
 
@@ -154,7 +155,7 @@ class JointPlan {
   std::uint64_t trajectory_ = 0;    ///< number
   std::uint64_t commanded_at_ = 0;  ///< tick of the last command
   std::uint64_t sent_for_ = 0;      ///< entering: tick of the last mode sent, 0 = none
-  std::uint64_t enters_at_ = 0;     ///< entering: tick before which the mode may be an older one
+  std::uint64_t enters_at_ = 0;     ///< entering: before this tick, an earlier mode may still act
   std::uint64_t ends_at_ = 0;       ///< tick of the last set-point, until the drive shows it
   int repeats_ = 0;                 ///< repetitions of the end of this motion
   double interval_ = 0.0;           ///< [s] measured interval between commands

@@ -15,7 +15,7 @@ namespace {
 
 using std::chrono::milliseconds;
 
-// How often a bench in lock-step that does not advance is checked: the end of its step is due.
+// Period in which a bench in lock-step is checked for the end of its step, which must be published.
 constexpr milliseconds kSilentTurn{10};
 constexpr milliseconds kEndOfStep{20};  // without a further tick for this time, the step has ended
 

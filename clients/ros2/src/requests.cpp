@@ -80,7 +80,7 @@ class CommandReader {
     if (chosen_[place]) {
       problem(name + " has a " + std::string(to_string(chosen_[place]->interface)) + " and a " +
               std::string(to_string(interface)) + ": refused, one interface at a time");
-      joint.reset();  // neither of them: the bridge does not choose
+      joint.reset();  // neither value is used: the bridge does not choose
       return;
     }
     chosen_[place] = JointCommand{.joint = *joint, .interface = interface, .value = value};

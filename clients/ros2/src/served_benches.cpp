@@ -50,7 +50,8 @@ void ServedBenches::remove(std::uint32_t number, bool is_replaced) {
   ensure(known != benches_.end(), "a bench that was added is served");
   const std::string name = known->second.bench->label();
   directory_.remove(number);
-  // Before it is erased: other benches brake their joints of the same trajectory.
+  // Before the bench is erased, because its trajectories also end on other benches, whose joints
+  // brake.
   if (is_replaced) access_.end_run(*known->second.motion);
   benches_.erase(known);
   if (is_replaced) reports_.report(Severity::warning, name, "was restarted");

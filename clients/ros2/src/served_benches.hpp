@@ -37,7 +37,7 @@ class BenchAccess {
   virtual client::Outcome send_set_points(std::uint32_t bench,
                                           const SetPointStream::Frames& frames) = 0;
 
-  /// Ends the motions of a bench with its run.
+  /// Ends the motions of a bench whose run has ended.
   virtual void end_run(BenchMotion& motion) = 0;
 };
 

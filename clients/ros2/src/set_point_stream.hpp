@@ -24,9 +24,9 @@ class SetPointLead {
   /// @return ticks from the newest state to the first one that a new set-point can reach.
   [[nodiscard]] std::uint64_t lead() const;
 
-  /// @return ticks for which set-points are kept sent during a motion: those of a trajectory
-  ///         outlast a pause of the machine, those for single positions add no more delay than
-  ///         needed.
+  /// @return the number of ticks for which set-points are sent in advance during a motion: for a
+  ///         trajectory enough to outlast a pause of the machine, for single positions no more than
+  ///         needed, because a new position is delayed by them.
   [[nodiscard]] std::uint64_t window(bool is_trajectory) const;
 
   /// @return how many ticks before its start a trajectory is taken over.

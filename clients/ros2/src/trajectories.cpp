@@ -44,8 +44,8 @@ std::string names_text(const std::vector<std::string>& names) {
                               : text;
 }
 
-/// @param start its time [ns], 0 = immediately
-/// @param waits is set if that is later than what can be sent now
+/// @param start time of the start [ns], 0 = immediately
+/// @param waits is set if that time is later than the ticks for which set-points can be sent now
 TrajectoryStart::Begin find_begin(std::int64_t start, BenchMotion& motion, bool& waits) {
   TrajectoryStart::Begin begin{.tick = motion.begin_tick()};
   if (start == 0) return begin;
@@ -239,8 +239,8 @@ void Trajectories::begin(const Trajectory& trajectory, const TrajectoryStart& st
   for (const JointPlace& joint : trajectory.joints) {
     replaced.insert(benches_.motion_of(joint.bench).trajectory_of(joint.place));
   }
-  // After looking up what is replaced, before its joints brake: each joint has either the old or
-  // the new one.
+  // The replaced trajectories were looked up before, and brake afterwards: at any time each joint
+  // follows either its old trajectory or the new one.
   for (std::size_t i = 0; i < trajectory.joints.size(); ++i) {
     if (start.paths[i] == nullptr) continue;
     const JointPlace& joint = trajectory.joints[i];
