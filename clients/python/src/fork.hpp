@@ -26,7 +26,7 @@ class Origin : public process::Origin {
 /// Abandons `value` without running its destructor, which must not run in this process.
 template <typename Value>
 void leave(Value&& value) noexcept {
-  // On purpose, see above; a process without memory ends here.
+  // Leaked on purpose, see above. If there is no memory left, noexcept ends the process.
   // NOLINTNEXTLINE(cppcoreguidelines-owning-memory, bugprone-unhandled-exception-at-new)
   static_cast<void>(new std::decay_t<Value>(std::forward<Value>(value)));
 }
@@ -36,7 +36,8 @@ void leave(Value&& value) noexcept {
 /// @throws py::error_already_set with vdrive.Forked if a parent process had a session
 void require_dds();
 
-/// Makes a process forked after the first DDS session exit without the destructors of statics.
+/// A process forked after the first DDS session then exits without running the destructors of
+/// statics.
 void watch_forks();
 
 }  // namespace vdrive::python

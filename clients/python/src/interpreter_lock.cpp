@@ -18,14 +18,15 @@ constexpr auto kPatienceAtExit = 1s;
 constexpr auto kLook = 1ms;
 
 struct Calls {
-  std::atomic<bool> end = false;       ///< no call returns to Python
-  std::atomic<bool> is_over = false;   ///< nor does a call within a callback of another one
+  std::atomic<bool> end = false;       ///< a call returns to Python only within a callback
+  std::atomic<bool> is_over = false;   ///< no call returns to Python
   std::atomic<std::thread::id> ender;  ///< the thread in which the interpreter is finalised
   std::atomic<int> under_way = 0;      ///< calls in progress without the interpreter lock
   std::atomic<int> asking_for_lock = 0;
 };
 
-// Threads stay blocked in their calls until the process ends, after the destructors of statics.
+// Must outlive the destructors of statics: threads stay blocked in their calls until the process
+// ends.
 static_assert(std::is_trivially_destructible_v<Calls>);
 
 Calls& calls() {

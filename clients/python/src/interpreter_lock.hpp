@@ -5,12 +5,12 @@
 
 #include <optional>
 
-/// The interpreter lock, usable also while the interpreter is being finalised. From then on,
-/// CPython ends every thread that asks for its lock, inside that call: it unwinds the C++ stack,
-/// which terminates the process. Only daemon threads are left at that time. So after end_calls()
-/// they never ask for the lock again: their call ends, and they block until the process ends.
-/// Exception: a Python callback within such a call that does not return within some seconds is left
-/// to CPython.
+/// The interpreter lock, usable also while the interpreter is being finalised. When a thread asks
+/// for the lock during finalisation, CPython ends the thread by unwinding its C++ stack, which
+/// terminates the process. Only daemon threads are left at that time. So after end_calls() they
+/// never ask for the lock again: their call ends, and they block until the process ends. Exception:
+/// a Python callback within such a call that does not return within some seconds is left to
+/// CPython.
 namespace vdrive::python {
 
 /// Releases the interpreter lock for its lifetime.

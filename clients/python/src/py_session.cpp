@@ -61,7 +61,8 @@ PySession::Use::~Use() {
   const bool is_last = owner_->callers_.size() == 1 && !owner_->session_;
   if (is_last) bench.swap(owner_->bench_);
   lock.unlock();
-  // Releasing the axes is not a call that waits for motion.
+  // The interrupt has ended the calls that wait for motion; it must not end the release of the
+  // axes.
   if (is_last) session_->end_interrupt();
   session_.reset();
   lock.lock();
@@ -132,7 +133,8 @@ void PySession::close() noexcept {
       return caller == std::this_thread::get_id();
     });
   });
-  // Releasing the axes is not a call that waits for motion.
+  // The interrupt has ended the calls that wait for motion; it must not end the release of the
+  // axes.
   if (callers_.empty()) {
     session->end_interrupt();
     bench.swap(bench_);

@@ -23,7 +23,7 @@
 namespace vdrive::python {
 namespace {
 
-/// Signals that do not end a wait: their handlers run after it.
+/// @return whether the signal ends a wait; the handlers of other signals run after the wait.
 bool ends_waits(char signal) {
   return signal != SIGCHLD && signal != SIGWINCH && signal != SIGCONT;
 }
@@ -39,8 +39,8 @@ class Watcher {
 
   void begin(SignalWatch::Wait& wait);
 
-  /// Ends the innermost wait, which has all signals that have arrived.
-  /// @param for_outer whether the signals are left for after the outer wait
+  /// Removes the innermost wait, after recording in it all signals that have arrived.
+  /// @param for_outer whether the signals are passed on to the outer wait
   void end(const SignalWatch::Wait& wait, bool for_outer);
 
  private:
@@ -144,8 +144,8 @@ bool restore_wakeup_file(int file) noexcept {
   }
 }
 
-/// Properties of the calling thread. Cached, because every call needs them: with the process of the
-/// watcher these were five of eight system calls, 1 us each on a virtual machine.
+/// Properties of the calling thread. Cached, because every call needs them: without a cache, these
+/// and the process of the watcher took five of eight system calls, 1 us each on a virtual machine.
 struct CallingThread {
   const Origin origin{};
   const bool is_main = gettid() == getpid();
@@ -186,7 +186,8 @@ void SignalWatch::end() {
   watcher().end(wait_, is_inner_);
   if (wait_.has_ended) wait_again_();
   if (is_inner_ || outer_file_ < 0 || wait_.signals.empty()) return;
-  // For example the asyncio loop, to which the interpreter would have written them.
+  // Passes the signals on to the previous wakeup file, such as that of the asyncio loop, to which
+  // the interpreter would have written them.
   const ssize_t written = write(outer_file_, wait_.signals.data(), wait_.signals.size());
   static_cast<void>(written);
 }

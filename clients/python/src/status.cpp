@@ -266,12 +266,12 @@ std::uint32_t object_named(const std::string& name) {
 Frames::Frames(std::size_t axes) : axes_(axes), row_(axes * layout().size()) {}
 
 void Frames::expect(std::size_t samples) {
-  // Beyond this the memory grows with the samples: an excessive count must not fail before any
-  // sample.
+  // An excessive count must not fail before any sample has arrived, so memory beyond this is
+  // allocated only as samples arrive.
   constexpr std::size_t kMostAtFirst = std::size_t{1} << 28U;  // [bytes]
   records_.reserve(std::min(samples, kMostAtFirst / std::max<std::size_t>(row_, 1)) * row_);
-  // For a recording of 60 MB the kernel would clear 15,000 pages of 4 kB: a quarter of its time.
-  // Without huge pages it ignores the advice and clears them.
+  // Without huge pages, the kernel clears 15,000 pages of 4 kB for a recording of 60 MB, which
+  // takes a quarter of the time. A kernel that has no huge pages ignores the advice.
   constexpr std::size_t kHugePage = std::size_t{1} << 21U;
   void* place = records_.data();
   std::size_t room = records_.capacity();

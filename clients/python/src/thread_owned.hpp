@@ -12,8 +12,9 @@
 namespace vdrive::python {
 
 /// An object created, kept and destroyed by a dedicated thread; for objects with a child process.
-/// The system ends such a process when the thread that started it ends. This thread does nothing
-/// else, so the object can be used from any thread, and its process ends when this one is killed.
+/// The system ends the child when the thread that started it ends. The dedicated thread ends only
+/// with the object or with this process, so the object can be used from any thread, and the child
+/// ends when this process is killed.
 template <typename Kept>
 class ThreadOwned {
  public:

@@ -9,7 +9,8 @@ import threading
 import time
 import weakref
 
-from . import _vdrive  # noqa: F401  It registers the end of the sessions, which ours comes before.
+# Imported first, because it registers the end of the sessions: see _close_all below.
+from . import _vdrive  # noqa: F401
 
 TYPE_CHECKING = False  # as typing.TYPE_CHECKING: reading that module takes time
 if TYPE_CHECKING:
@@ -139,7 +140,7 @@ class Observer:
     def _call(self, function: Callable[[Any], object], argument: Any) -> None:
         try:
             function(argument)
-        except BaseException:  # also SystemExit, which would end a thread that is not the program's
+        except BaseException:  # also SystemExit, which would end the thread of the package
             self._report()
 
     @staticmethod

@@ -54,7 +54,7 @@ if TYPE_CHECKING:
 # Statuses of one axis: some 60 MB in total. A bench with many axes keeps fewer ticks.
 _MOST_STATUSES = 400_000
 _MOST_EVENTS = 1024  # as many as a bench keeps
-_MOST_FAILURES = 20  # with files, in one process
+_MOST_FAILURES = 20  # failed tests of one process that leave files
 _USUAL_TICKS = 1000
 _MOST_STORIES = 3
 _LONGEST_NAME = 100
