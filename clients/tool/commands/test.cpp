@@ -43,7 +43,7 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-// Time for the final lines of an interrupted scenario, in lock-step.
+// Wall time for the final lines of an interrupted scenario; its bench is in lock-step.
 constexpr std::chrono::seconds kFinalLines{20};
 
 /// Runs each scenario on a private bench, several in parallel, and writes one report. Each has its

@@ -326,7 +326,7 @@ void AsciiGateway::finish(Channel& channel, BusTime now) {
   answer(id, session.transfer->sequence, outcome_text(*session.transfer, *outcome));
   session.transfer.reset();
   channel.user.reset();
-  // Other sessions first: one with many commands for a node would lock them out.
+  // Other sessions first, because a session with many commands for a node would lock them out.
   serve(channel, now);
   work(id, now);
 }
