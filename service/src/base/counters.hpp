@@ -143,8 +143,8 @@ struct Counters {
   Counter axis_samples_sent;
   Counter events_sent;
   Counter queue_overflows;
-  Counter status_images_lost;   ///< of `queue_overflows`: between the tick and the status thread
-  Counter status_samples_lost;  ///< of `queue_overflows`: between engine and wire
+  Counter status_images_lost;   ///< part of `queue_overflows`: before the status thread
+  Counter status_samples_lost;  ///< part of `queue_overflows`: before the wire
   Counter malformed;            ///< received samples that could not be decoded
   Counter wire_starts;          ///< wires started, including the first one
   Gauge<> wire_is_up;           ///< 1 while the wire runs

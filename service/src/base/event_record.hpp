@@ -92,7 +92,7 @@ struct WireLoss {
     exit_code,  ///< value: exit code
     no_start,   ///< it was not ready in time
     hangs,      ///< its pumps completed no round
-    deaf,       ///< no probe arrived through discovery and data
+    deaf,       ///< it was not discovered, or exchanged no sample, in time (WireProbe)
     memory,     ///< value: memory used [MiB]
   };
 
@@ -114,12 +114,12 @@ struct WireLoss {
 /// | master lost | LostAxes |
 /// | tick overrun | Overruns |
 /// | wall clock | time by which the wall clock is ahead of drive time |
-/// | clock changed | NewRate, or the Parting of a stepper |
+/// | clock changed | NewRate, or the StepperRemoval |
 /// | snapshot, bench conflict | Label |
 /// | stopped | Label of the owner's session |
 /// | journal | Count of lost ticks, or SystemError |
 /// | parameters | Count of axes, StoredProblem, or SystemError |
-/// | wire | WireLoss, or the time without a wire, or until the next start |
+/// | wire | WireLoss; the time without a wire; or the time until the next start |
 /// | any other | none |
 using EventDetail =
     std::variant<std::monostate, Count, LostAxes, Overruns, Label, RefusedMessage, NewRate,

@@ -49,7 +49,8 @@ void end_fork() noexcept {
   locked_files().mutex.unlock();
 }
 
-/// The child does not use the objects of its parent that own these files.
+/// Closes the child's copies of the locked files. The objects that own these files belong to the
+/// parent; the child does not use them.
 void begin_child() noexcept {
   for (const int file : locked_files().files) ::close(file);
   locked_files().files.clear();

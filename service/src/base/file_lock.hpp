@@ -17,8 +17,8 @@ int unlock_and_close(int file) noexcept;
 
 /// @param file an open descriptor of a file whose lock (flock) another process holds
 /// @return the holder according to /proc/locks, for example "process 4711 (vdrived) on this host".
-///         /proc/locks lists no process of another host or container, and on some file systems no
-///         file; then the text says so.
+///         /proc/locks lists no holder on another host or in another container, and no lock at all
+///         on some file systems; the text says so if the holder is not listed.
 [[nodiscard]] std::string holder_of_lock(int file);
 
 }  // namespace vdrive::service

@@ -8,8 +8,8 @@ namespace vdrive::service {
 
 /// Memory mapped for this object alone: the kernel provides a page when it is first written, and
 /// gets all pages back when the object is destroyed. The heap of the C library would keep freed
-/// memory and reuse it elsewhere, so a process that creates benches again and again would finally
-/// have touched all of it.
+/// pages and reuse them for other objects, so in a process that creates benches again and again,
+/// more and more of the reserved memory would be in use.
 ///
 /// Mapped with MAP_NORESERVE: a program with a thousand benches has some 26 GB of such memory and
 /// uses little of it. If the kernel accounted for all of it, that program could not fork.

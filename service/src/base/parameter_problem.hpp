@@ -14,7 +14,7 @@ enum class ParameterProblem : std::uint8_t {
   too_large,        ///< number: size [bytes]
   damaged,          ///< torn, modified, or never a parameter file
   unknown_version,  ///< number: the version
-  missing,          ///< absent without an interrupted save, although the previous file exists
+  missing,          ///< although the previous file exists and no save was interrupted
   unknown_object,   ///< of an axis; number: index * 256 + sub-index
   refused_value,    ///< of an axis; number: as for unknown_object
 };

@@ -12,9 +12,9 @@ namespace vdrive::service {
 
 /// Bounded, lock-free queue from one producer thread to one consumer thread. The producer fills a
 /// slot in place, the consumer reads it in place, and a slot keeps the capacity of its sequences
-/// for the next message, so nothing allocates once it is warm. An empty queue restarts at its first
-/// slot: a queue that is seldom full uses few slots, which stay in the caches; slots that were
-/// never used cost no memory (LazySlots).
+/// for the next message, so nothing allocates once every slot has been used. An empty queue
+/// restarts at its first slot: a queue that is seldom full uses few slots, which stay in the
+/// caches; slots that were never used cost no memory (LazySlots).
 template <typename Message>
 class Ring {
  public:
@@ -72,7 +72,8 @@ class Ring {
  private:
   static constexpr std::size_t kCacheLine = 64;
 
-  /// @return the position of the oldest message, if there is one; there is none before `begin_`.
+  /// @return the position of the oldest message, or where the next one will be. Positions before
+  ///         `begin_` hold no message, even if `head` is still there.
   [[nodiscard]] std::size_t first_of(std::size_t head) const noexcept {
     return std::max(head, begin_.load(std::memory_order_relaxed));
   }

@@ -13,8 +13,9 @@
 namespace vdrive::service {
 namespace {
 
-// Covers the time between two rounds of a bench in freerun, and between the ends of two parts. A
-// sleeping thread takes 5 to 50 us to wake and costs the waking thread a system call.
+// Long enough that threads do not sleep between two rounds of a bench in freerun, or while the
+// slowest part of a round is finished. A sleeping thread takes 5 to 50 us to wake, and waking it
+// costs a system call.
 constexpr std::chrono::microseconds kLongestSpin{50};
 constexpr int kLooksPerReadingOfTheClock = 64;
 

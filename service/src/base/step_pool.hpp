@@ -17,7 +17,8 @@ namespace vdrive::service {
 /// sleep.
 class StepPool {
  public:
-  /// @param threads including the calling one, at least 1; at most one per group of the bank runs
+  /// @param threads including the calling one, at least 1; the pool uses no more than the bank has
+  ///        groups
   StepPool(AxisBank& bank, std::size_t threads);
   ~StepPool();
   StepPool(const StepPool&) = delete;
