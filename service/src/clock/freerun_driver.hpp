@@ -12,7 +12,8 @@ namespace vdrive::service {
 /// Runs a bench as fast as possible. `cycle` takes no lock, allocates nothing and does not wait.
 class FreerunDriver {
  public:
-  /// The interval of status images in wall time, provided that the previous image has left.
+  /// The interval of status images in wall time. An image is left out while the previous one waits
+  /// for the status thread.
   static constexpr std::chrono::milliseconds kStatusInterval{1};
 
   FreerunDriver(BenchEngine& engine, Inbox& inbox, Outbox& outbox, CycleTimer& timer);

@@ -65,8 +65,8 @@ bool LockstepDriver::handle_next(Clock::time_point now) {
   return true;
 }
 
-/// The frames that a step waits for may arrive after other requests; those are carried out after
-/// the step.
+/// Handles arrivals while a step waits for its frames. Requests that arrive before these frames are
+/// kept and carried out after the step.
 bool LockstepDriver::handle_frames_only(Clock::time_point now) {
   Arrival* const arrival = inbox_.front();
   if (arrival == nullptr) return false;
@@ -124,8 +124,8 @@ void LockstepDriver::run_ticks(std::uint64_t ticks) {
   }
 }
 
-/// Delivers in between, because the steps due in one tick and the stores that became durable may be
-/// more than the queue holds.
+/// Delivers some answers before all are queued, because the queue may be too small for all steps
+/// due in one tick and all stores that became durable.
 void LockstepDriver::answer_steps(Clock::time_point now) {
   deliver_until([&] {
     return steps_.answer_due(now);

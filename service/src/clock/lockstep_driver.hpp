@@ -23,7 +23,8 @@ namespace vdrive::service {
 class LockstepDriver {
  public:
   static constexpr std::chrono::milliseconds kIdleInterval{20};
-  /// Used while a reply waits for its reader: the doorbell does not ring when the reader appears.
+  /// How often `run` tries to send a reply whose reader has not been discovered: the doorbell does
+  /// not ring when the reader appears.
   static constexpr std::chrono::milliseconds kReplyInterval{1};
   static constexpr std::chrono::milliseconds kCheckInterval{100};
   static constexpr TokenBucket::Rate kStatusRate{.per_second = 1'000.0, .burst = 64.0};

@@ -9,7 +9,7 @@
 
 namespace vdrive::service {
 
-/// One instant on both clocks.
+/// One instant on the monotonic and on the wall clock.
 struct Instant {
   std::chrono::nanoseconds monotonic{0};
   std::chrono::nanoseconds wall{0};  ///< since the epoch
