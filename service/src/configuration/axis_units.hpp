@@ -14,8 +14,8 @@ namespace vdrive::service {
 
 // Values of an axis in its user units, as a configuration gives them.
 
-/// Two unit sizes are equal if their ratio differs from 1 by less than this: sizes are written in
-/// decimals.
+/// Two unit sizes are equal if their ratio differs from 1 by less than this, because files give
+/// rounded decimals.
 inline constexpr double kSameSize = 1.0e-6;
 
 /// Reads a whole number of user units, or a value with a unit of the axis, such as 4096, 25mm or
@@ -36,7 +36,8 @@ inline constexpr double kSameSize = 1.0e-6;
 [[nodiscard]] double gear_ratio_of(const AxisConfiguration& axis);
 
 /// @return user units per revolution of the load [UU]. 4096 UU are one revolution of the shaft
-///         whose encoder 6064h reads; with a single encoder that is the motor's, before the gear.
+///         whose encoder 6064h reads; with a single encoder that is the motor shaft, before the
+///         gear.
 [[nodiscard]] double user_units_a_load_turn(const AxisConfiguration& axis);
 
 /// @return the highest velocity of 6064h that 6080h permits [UU/s].

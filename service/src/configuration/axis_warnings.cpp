@@ -138,7 +138,7 @@ void warn_of_speed_limit(const NamedAxis& axis, const AxisEntries& entries,
   const std::int64_t highest = motor_limit_of(axis);
   if (!limit || *limit <= highest) return;
   const auto place = parameter_entry(entries, "app_speed_limit"_object);
-  if (!place) return;  // completed from the mechanics
+  if (!place) return;  // not in the file: it follows from the mechanics
   warn_at(*place, axis,
           "app_speed_limit = " + quantity_text(*limit, Dimension::velocity, axis.unit) +
               " is above " + quantity_text(highest, Dimension::velocity, axis.unit) +
@@ -158,7 +158,7 @@ void warn_of_profile_velocity(const NamedAxis& axis, const AxisEntries& entries,
   const std::int64_t highest = motor_is_lower ? motor_limit : limit;
   if (!velocity || *velocity <= highest) return;
   const auto place = parameter_entry(entries, "profile_velocity"_object);
-  if (!place) return;  // completed from the mechanics
+  if (!place) return;  // not in the file: it follows from the mechanics
   const ObjectRow row = motor_is_lower ? "motor_max_speed_rpm"_object : "app_speed_limit"_object;
   warn_at(*place, axis,
           "profile_velocity = " + quantity_text(*velocity, Dimension::velocity, axis.unit) +

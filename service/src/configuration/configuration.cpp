@@ -20,8 +20,8 @@ void check_range(const char* what, double value, double lowest, double highest, 
   }
 }
 
-/// Threads only if all programs are on this host and need no credentials: others could send data
-/// that ends the wire.
+/// Without shared memory, threads only if all programs are on this host and need no credentials:
+/// programs elsewhere could send data that crashes the wire, and with it the service.
 WireForm default_wire_form(const Configuration& configuration) noexcept {
   const wire::NetworkSettings& network = configuration.network;
   if (network.shared_memory) return WireForm::thread;  // the process form must not open files

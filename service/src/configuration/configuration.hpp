@@ -44,7 +44,7 @@ struct NamedAxis {
   std::vector<std::string> warnings{};  ///< found when its file was read, see axis_warnings
 };
 
-/// Where the wire runs, which does everything about DDS.
+/// Where the wire runs. The wire is the part of the service that handles DDS.
 enum class WireForm : std::uint8_t {
   process,  ///< in a separate process: the engine survives its failure and restarts it
   thread,   ///< in threads of the service: one hop less, but its failure ends the service
@@ -73,7 +73,7 @@ struct Configuration {
   std::uint32_t status_every = 1;  ///< one status frame every n ticks
   /// The owner of an axis must send something within this drive time; nullopt = off.
   std::optional<std::chrono::milliseconds> watchdog = std::chrono::milliseconds{500};
-  bool watchdog_is_chosen = false;            ///< set explicitly; otherwise it is off in freerun
+  bool watchdog_is_chosen = false;            ///< set explicitly; if not, freerun has no watchdog
   std::string metrics_address = "127.0.0.1";  ///< of this machine, IPv4
   /// Prometheus metrics on this port of that address, 0 = any free one; nullopt = off.
   std::optional<std::uint16_t> metrics_port;
@@ -96,8 +96,9 @@ struct Configuration {
 void check(const Configuration& configuration);
 
 /// @param key of the section `clock`
-/// @return the present clock mode if the key has no meaning in it, such as "lockstep, which
-///         advances only when programs step it"; otherwise nullopt.
+/// @return nullopt if the key has a meaning in the present clock mode; otherwise a description of
+///         that mode for the message, such as "lockstep, which advances only when programs step
+///         it".
 [[nodiscard]] std::optional<std::string> problem_of_clock(std::string_view key,
                                                           const Configuration& configuration);
 
@@ -105,9 +106,9 @@ void check(const Configuration& configuration);
 [[nodiscard]] std::optional<std::chrono::milliseconds> effective_watchdog(
     const Configuration& configuration) noexcept;
 
-/// @return the form of the wire in effect. By default: threads with shared memory, and in lock-step
-///         and freerun if only programs of this host take part, without credentials; otherwise a
-///         process.
+/// @return the form of the wire in effect. The default is threads if shared memory is on, or in
+///         lock-step and freerun if only programs of this host take part and none needs
+///         credentials. Otherwise it is a process.
 [[nodiscard]] WireForm effective_wire_form(const Configuration& configuration) noexcept;
 
 /// @return the highest axis number plus 1.

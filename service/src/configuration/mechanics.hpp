@@ -19,7 +19,8 @@ namespace vdrive::service {
 void read_mechanics(const settings::YamlValue& value, NamedAxis& axis);
 
 /// After the `parameters` of an axis with mechanics: fills in the speeds and ramps that the file
-/// does not give, with the values that the default axis has at its motor. 607Fh follows from 6080h.
+/// does not give, so that the motor turns as fast and accelerates as quickly as that of the default
+/// axis. 607Fh follows from 6080h.
 void complete_speeds(AxisConfiguration& axis);
 
 /// Adds the keys of `mechanics` at `path`.
