@@ -29,7 +29,7 @@ struct RingPositions {
   static constexpr std::size_t kCacheLine = 64;
 
   alignas(kCacheLine) std::atomic<std::uint64_t> written{0};  ///< [bytes]
-  std::atomic<std::uint64_t> begin{0};  ///< set by the producer; no record between `read` and it
+  std::atomic<std::uint64_t> begin{0};  ///< set by the producer: no records from `read` up to here
   std::atomic<std::uint64_t> records_written{0};
   alignas(kCacheLine) std::atomic<std::uint64_t> read{0};  ///< [bytes]
   std::atomic<std::uint64_t> records_read{0};

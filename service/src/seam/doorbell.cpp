@@ -53,7 +53,7 @@ bool Doorbell::wait_for(std::chrono::nanoseconds timeout) noexcept {
 }
 
 /// Does not yield: the scheduler might give a complete time slice to unimportant work, such as a
-/// program of idle priority, and a ring would have to wait until it ends.
+/// program of idle priority, and a ring would be noticed only after that slice.
 void Doorbell::look_for_rings(Clock::time_point deadline) const noexcept {
   // Reading the clock takes longer than a look at the state.
   constexpr int kLooksPerReading = 32;

@@ -17,11 +17,11 @@ struct BellState {
 /// while no thread waits is remembered and costs no system call.
 class Doorbell {
  public:
-  /// How a thread waits. A sleeping thread takes some 10 us to wake and costs the waking thread a
-  /// system call.
+  /// How a thread waits. A sleeping thread takes some 10 us to wake, and waking it costs a system
+  /// call.
   enum class Waiting : std::uint8_t {
     asleep,
-    /// Polls for up to 100 us before it sleeps, as long as rings follow each other that quickly.
+    /// Polls for up to 100 us before it sleeps, if the previous ring came within that time.
     quick,
   };
 

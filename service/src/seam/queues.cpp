@@ -9,8 +9,8 @@ namespace {
 /// The maximum number of samples that one call of Inbox::front() drops.
 constexpr std::size_t kMostDropped = 64;
 
-/// Spare commands for the decoder: the commands of frames that wait for their tick are moved out,
-/// together with the capacity of their objects.
+/// Spare commands for the decoder: those of a frame that waits for its tick are moved out of it,
+/// with the capacity of their objects, and spare ones take their place.
 constexpr std::size_t kSpareCommands = 1'024;
 
 /// [bytes] kept of a sample that did not fit: enough for all members of `TurnedAway`.

@@ -51,8 +51,7 @@ class WireLink {
   /// @return the number of subscriptions that match a topic; 0 while no wire runs.
   [[nodiscard]] std::uint32_t matched(wire::TopicId topic) const noexcept;
 
-  /// @return whether a reader of bench_state has joined since the last call, if the wire learns of
-  ///         new readers immediately.
+  /// @return whether the wire has requested a bench_state for a new reader since the last call.
   [[nodiscard]] bool take_state_request() noexcept {
     return control_.is_state_requested.load(std::memory_order_relaxed) &&
            control_.is_state_requested.exchange(false);
