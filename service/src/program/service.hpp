@@ -48,8 +48,8 @@ class Service {
   ///         its status has been sent.
   [[nodiscard]] bool has_run() const noexcept;
 
-  /// @return whether ticks (paused and in lock-step: the answers to requests), status and reports
-  ///         have all made progress since the last call.
+  /// @return whether ticks, status and reports have all made progress since the last call. While
+  ///         paused and in lock-step, answers to requests count instead of ticks.
   [[nodiscard]] bool is_alive() noexcept;
 
   /// Starts to refuse commands and to brake the axes, see Shutdown. Idempotent.

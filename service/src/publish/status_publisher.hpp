@@ -35,7 +35,7 @@ class StatusPublisher {
   /// @return whether status currently has a reader.
   [[nodiscard]] bool has_readers() const noexcept;
 
-  /// Counts a tick as published that had no readers.
+  /// Counts a tick as published although it was not sent, because there were no readers.
   void leave_out(std::uint64_t tick) noexcept { last_tick_ = tick; }
 
   /// @return the last published tick, 0 = none.

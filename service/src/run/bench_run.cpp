@@ -52,7 +52,7 @@ std::uint64_t new_incarnation(std::chrono::nanoseconds now) noexcept {
 }
 
 void prepare_tick_thread(int priority) {
-  prctl(PR_SET_TIMERSLACK, 1UL);  // by default the kernel may wake it 50 us late
+  prctl(PR_SET_TIMERSLACK, 1UL);  // by default the kernel may wake a thread 50 us late
   if (priority == 0) return;
   const sched_param parameters{.sched_priority = priority};
   if (pthread_setschedparam(pthread_self(), SCHED_FIFO, &parameters) != 0) {
@@ -172,7 +172,8 @@ void BenchRun::stop() noexcept {
   for (auto& thread : threads_) thread.join();
   threads_.clear();
   const std::scoped_lock lock(working_);  // a caller that runs the bench returns at the next tick
-  // With a bench in the user's process, waiting steps are lost with the bench, as all other calls.
+  // If the bench is in the user's process, steps still waiting return `lost`, as all other calls
+  // do.
   if (lockstep_ && !works_in_callers()) lockstep_->end();
   switch_off();
   finish_stores();
@@ -370,8 +371,9 @@ void BenchRun::supervise_wire() {
   counters_.queue_overflows.add(lost - std::exchange(lost_in_wire_, lost));
 }
 
-/// Sleeps until shortly after the next tick, for 60 us to 5 ms. In real time without readers always
-/// for 5 ms: the queue of images has room for that, and they only have to be skipped.
+/// Sleeps until shortly after the next tick, for 60 us to 5 ms. In real time without readers it
+/// always sleeps for 5 ms: the queue has room for the images of that time, and they are only
+/// discarded.
 void BenchRun::wait_for_status() {
   const auto now = timer_.monotonic_now();
   if (realtime_ && !status_.has_readers()) {

@@ -35,7 +35,7 @@ struct ConfigurationKey {
 
 // ---- what a value may be -----------------------------------------------------------------------
 
-/// Any value of the type of the place.
+/// Any value of the type of its place: the member of a settings object that receives the value.
 struct Any {};
 
 /// A text that must meet further conditions.
@@ -229,7 +229,7 @@ struct Row {
   std::string_view key{};
 
   /// Values, unit, limits and meaning, for the help; "{}" stands for the limits. Empty for
-  /// sections, and if no program shows it.
+  /// sections, and for keys whose help no program shows.
   std::string_view what{};
 
   Rule rule{};
