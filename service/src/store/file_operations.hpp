@@ -23,9 +23,9 @@ class FileOperations {
 
   /// The result of make_private().
   enum class Privacy : std::uint8_t {
-    kept,      ///< it was private already; or it belongs to root, and not everybody may write
+    kept,      ///< it was private already, or belongs to root and is not world-writable
     narrowed,  ///< it belongs to this user and is private now
-    foreign,   ///< it belongs to another user, or everybody may write
+    foreign,   ///< it belongs to another user, or is world-writable
   };
 
   FileOperations() = default;

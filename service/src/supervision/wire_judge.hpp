@@ -18,7 +18,7 @@ class WireJudge {
   static constexpr std::chrono::seconds kLongestStart{10};
   /// A wire whose pumps complete no round in this time hangs.
   static constexpr std::chrono::seconds kLongestRound{2};
-  /// If no probe arrives through discovery and data in this time, the wire receives nothing.
+  /// A wire that passes no test from outside (WireProbe) in this time receives nothing.
   static constexpr std::chrono::milliseconds kLongestProbe{4'000};
   /// A wire that ran this long did not end because of its start: the next one starts without delay.
   static constexpr std::chrono::seconds kLongRun{1};

@@ -28,7 +28,8 @@ WireLoss loss_of(const WireEnd& end) {
           .value = static_cast<std::uint32_t>(WEXITSTATUS(end.status))};
 }
 
-/// The signals that end a service are blocked, and nobody waits for them before the start is done.
+/// Checked during the start, because the signals that end a service are blocked and nothing waits
+/// for them yet.
 bool has_to_stop() {
   sigset_t pending;
   sigpending(&pending);
@@ -99,7 +100,8 @@ void WireSupervisor::supervise() {
   if (next_start_ && now >= *next_start_) launch(now);
 }
 
-/// From here on no client is reached, whether or not the process has ended yet.
+/// Counts the wire as lost: its clients cannot be reached any more, whether or not the process has
+/// ended yet.
 void WireSupervisor::lose(const WireLoss& loss, Clock::time_point now) {
   control_.state.store(WireState::none);
   if (is_up_) lost_at_ = now;

@@ -11,8 +11,8 @@ namespace vdrive::service {
 /// match `participant`; a stranger without material, on the same interfaces, must not: neither may
 /// receive from the other. `participant` must already publish and subscribe to bench_state. Takes
 /// some 0.2 s.
-/// @throws wire::NetworkError if the bench would be open, or if permitted participants do not find
-///         it either
+/// @throws wire::NetworkError if the bench would be open, or if even permitted participants do not
+///         find it
 void check_closed(wire::Participant& participant, const wire::NetworkSettings& settings);
 
 }  // namespace vdrive::service

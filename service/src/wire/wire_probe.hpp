@@ -15,7 +15,7 @@ namespace vdrive::service {
 ///
 /// With a discovery server the reader and the writer stay the same, because a server that is away
 /// must not end a wire that its clients can still reach. Then only the first probe tests discovery,
-/// and while no server answers it tests nothing.
+/// and a probe counts as passed as long as no server has answered.
 class WireProbe {
  public:
   /// How long one probe waits.

@@ -40,7 +40,7 @@ constexpr auto kWaitForReaders = 150ms;
 
 /// If memory runs out, the kernel should kill the wire, because it can be restarted.
 void raise_oom_score() {
-  constexpr std::string_view kFirst = "500";  // counts as 50 % more of the total memory
+  constexpr std::string_view kFirst = "500";  // as if it used another 50 % of the memory
   const int file = open("/proc/self/oom_score_adj", O_WRONLY | O_CLOEXEC);  // NOLINT(*-vararg)
   if (file >= 0) {
     if (write(file, kFirst.data(), kFirst.size()) < 0) {

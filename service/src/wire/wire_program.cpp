@@ -173,9 +173,9 @@ void WireProgram::put_notice(const LaneSubscription& incoming, const wire::Sourc
 void WireProgram::show(TopicId topic, const std::vector<wire::Source>& readers) {
   control_.matched[static_cast<std::size_t>(topic)].store(
       static_cast<std::uint32_t>(readers.size()), std::memory_order_relaxed);
-  // If clients may not know all benches yet, they search for longer than the interval of states,
-  // and an additional state would only burden all readers. Otherwise a new client only waits for
-  // the state.
+  // On the network a client searches for longer than the interval of states, because it may not
+  // know all benches yet; an additional state would only burden all readers. On the local bus a new
+  // client waits for nothing but the state.
   if (topic == Topic<msg::BenchState>::kId && !participant_->presence().may_miss_some()) {
     control_.is_state_requested = true;
   }
