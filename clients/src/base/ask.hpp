@@ -13,7 +13,7 @@
 /// sender and the receiver.
 namespace vdrive::ask {
 
-/// A request with these members. A member that the row of its kind does not name does not compile.
+/// A request with these members. Compiles only if the row of this kind names all of them.
 template <msg::RequestKind kKind, auto... kMembers, typename... Values>
 msg::Request request(Values&&... values) {
   static_assert(wire::request_kind_row(kKind)->uses.contains(wire::RequestMembers(kMembers...)),
@@ -71,7 +71,7 @@ inline msg::Request power_cycle(Axes axes) {
 }
 
 /// @param shown axes whose status the reply contains
-/// @param last_sequence of the command frames that must have arrived before the step
+/// @param last_sequence number of the last command frame that must have arrived before the step
 inline msg::Request step(std::uint64_t ticks, Axes shown, std::uint64_t last_sequence = 0) {
   return request<msg::RequestKind::step, &msg::Request::ticks, &msg::Request::axes,
                  &msg::Request::last_sequence>(ticks, std::move(shown), last_sequence);

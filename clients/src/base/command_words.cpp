@@ -31,7 +31,7 @@ std::vector<std::uint16_t> words_to(EachCommand command, PowerState state, const
     case EachCommand::enable:
       return words_to_enable(state, way);
     case EachCommand::disable:
-      // The state after a quick stop if 605Ah keeps it.
+      // An axis stays in this state after a quick stop if 605Ah is 5 or more.
       if (state == PowerState::quick_stop_active) return {kDisableVoltage, kShutdown};
       return {kShutdown};
     case EachCommand::halt:

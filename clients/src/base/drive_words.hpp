@@ -64,7 +64,8 @@ inline void add_word(msg::AxisCommand& command, std::uint16_t word) {
   return row == nullptr || row->has_target;
 }
 
-/// @return whether an axis that continues after a halt has reached its target, if it has one.
+/// @return whether an axis that continues after a halt has nothing left to reach: it is at its
+///         target or has none.
 [[nodiscard]] inline bool has_no_way_left(const AxisSnapshot& axis) {
   return !has_target_bit(axis) || target_reached(axis);
 }

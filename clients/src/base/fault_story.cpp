@@ -38,7 +38,7 @@ bool is_test_input(ObjectAddress object) {
 /// The value of an object at the time of the cause.
 struct Known {
   std::int64_t value = 0;
-  std::optional<AxisWrite> write{};  ///< that set the value; nothing: it is older than the window
+  std::optional<AxisWrite> write{};  ///< that set the value; nothing: the value predates the window
 };
 
 std::string hex_text(std::uint64_t number) {
@@ -53,7 +53,7 @@ class Story {
   Story(const Window& window, const WindowCause& cause, const BenchInfo& bench,
         const SessionText& name_of)
       : window_(window), cause_(cause), bench_(bench), name_of_(name_of) {
-    std::uint64_t shown = 0;  // the tick of the values, which include the writes before it
+    std::uint64_t shown = 0;  // tick of the values; they include the writes before it
     for (const WindowValue& value : window.values) {
       if (value.axis != cause.axis || value.tick > cause.tick) continue;
       known_[value.object] = {.value = value.value};
@@ -168,7 +168,8 @@ class Story {
     const auto is_beyond = [&](const AxisSnapshot* axis) {
       return std::abs(value_of(axis->status)) >= known->second.value;
     };
-    // The status with the fault may already show the effect of the fault reaction.
+    // The status with the fault may already show the effect of the fault reaction, so it counts
+    // only if it is still beyond the limit.
     auto last = before_.rbegin() + (is_beyond(before_.back()) ? 0 : 1);
     auto first = last;
     while (first != before_.rend() && is_beyond(*first)) ++first;

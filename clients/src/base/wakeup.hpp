@@ -22,7 +22,7 @@ class Wakeup {
  public:
   using Clock = std::chrono::steady_clock;
 
-  /// Sets the work that a thread does for a bench before it waits for it
+  /// Sets the work that a thread does for a bench before it waits for that bench
   /// (wire::Participant::run_local_work). To be called before the first wait.
   void work_with(std::function<wire::LocalWork(std::uint32_t bench)> work) {
     work_ = std::move(work);
