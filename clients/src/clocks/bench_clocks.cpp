@@ -43,8 +43,8 @@ bool is_accepted(const msg::Reply& reply) {
   return reply.reason == msg::Reason::none || reply.reason == msg::Reason::missing_stepper;
 }
 
-/// @return the next request of a step, subtracted from `ticks`. The axes are included once time has
-///         passed.
+/// @return the next request of a step, subtracted from `ticks`. It includes axes only when no ticks
+///         are left, so that they show the state after the step.
 msg::Request next_request(std::uint64_t& ticks, std::span<const std::uint16_t>& axes) {
   const std::uint64_t some = std::min(ticks, kTicksPerRequest);
   ticks -= some;
@@ -288,7 +288,7 @@ Outcome BenchClocks::step(const Target& target, std::uint64_t ticks,
                           std::span<const std::uint16_t> axes, milliseconds patience,
                           Silence silence, Observation& sample) {
   std::uint64_t left = ticks;
-  std::vector<AxisSnapshot> earlier;  // from all replies but the last: until then a step may fail
+  std::vector<AxisSnapshot> earlier;  // kept apart from `sample`, because a later reply may fail
   bool is_last = false;
   do {
     if (left != 0 && wakeup_.is_interrupted()) return Outcome::failed("interrupted");

@@ -96,7 +96,7 @@ class BenchClocks {
   Outcome step(const Target& target, std::uint64_t ticks, std::span<const std::uint16_t> axes,
                std::chrono::milliseconds patience, Silence silence, Observation& sample);
 
-  /// @return whether one request of this session alone covers the step: no interrupt ends it.
+  /// @return whether one request of this session alone covers the step; then no interrupt ends it.
   [[nodiscard]] bool steps_at_once(const Target& target, std::uint64_t ticks) const;
 
   /// Makes this session a stepper of the bench.

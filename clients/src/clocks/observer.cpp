@@ -97,7 +97,7 @@ Result<Observation> Observer::read_status(const Target& target,
       AxisSnapshot& sample = observation.axes.emplace_back();
       sample.id = {target.key.number, some[i]};
       sample.tick = reply.tick;
-      sample.has_owner = false;  // no object contains it
+      sample.has_owner = false;  // no object contains the owner
       for (std::size_t at = 0; at < std::min(reply.objects.size(), members.size()); ++at) {
         members[at].set(sample.status, reply.objects[at].value);
       }

@@ -30,8 +30,8 @@ class Observer {
   /// The newest tick of the bench.
   Result<std::uint64_t> present_tick(const Target& target, Silence silence = Silence::ends_call);
 
-  /// A tick that the bench has completed since this call began: a sample of it or of a later one is
-  /// not older than the call. 0 for a session that may not send requests.
+  /// A tick that the bench has completed since this call began: samples of this tick and of later
+  /// ones are newer than the call. 0 for a session that may not send requests.
   /// @param axis any axis of the bench
   Result<std::uint64_t> completed_tick(const Target& target, std::uint16_t axis);
 
