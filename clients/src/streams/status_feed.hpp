@@ -81,7 +81,7 @@ class StatusFeed {
   std::deque<Sample> samples_;
   std::vector<std::vector<AxisSnapshot>> spares_;  ///< memory of samples already taken
   std::optional<RunTime> last_;                    ///< of the last sample taken
-  std::uint64_t skipped_ = 0;                      ///< since the first one
+  std::uint64_t skipped_ = 0;                      ///< ticks, since the first sample
 };
 
 }  // namespace vdrive::client
