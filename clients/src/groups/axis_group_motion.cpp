@@ -179,9 +179,10 @@ std::vector<std::int32_t> demands_of(std::span<const AxisSnapshot> axes) {
   return demands;
 }
 
-/// A drive takes no set-point before it shows the mode. It may show it later than commanded: if it
-/// has that habit (5E20h:08), or if the axis must first come to rest, which 606Bh does not show in
-/// a mode without a position loop. Such axes get the mode before the line, not with it.
+/// A drive takes no set-point before it shows the mode. It shows the mode later than commanded if
+/// it has the habit 5E20h:08, or if the axis must first come to rest. In a mode without a position
+/// loop, 606Bh does not show whether an axis is at rest. Axes that may be late get the mode before
+/// the line, not with it.
 Outcome await_late_mode(AxesCall& call) {
   constexpr OperatingMode kMode = OperatingMode::profile_position;
   const auto has_mode = [](const AxisSnapshot& axis) {
@@ -449,7 +450,7 @@ Outcome AxisGroup::wait_all(const GroupCallOptions& options) {
   }
 }
 
-/// With a line in progress, waits for its end; otherwise for the targets that the axes show.
+/// With a line in progress, waits for its end; otherwise waits as Axis::resume() does.
 Outcome AxisGroup::State::resume(AxesCommand& resume, const GroupCallOptions& options) {
   if (stream) resume.release_streams_of(stream->released);
   std::set<std::uint32_t> stepped;

@@ -138,7 +138,8 @@ std::optional<LineTimes> plan_line(std::span<const AxisDistance> ways, microseco
 }
 
 std::optional<MovingTimes> plan_moving_line(std::span<const AxisDistance> ways) {
-  // The duration ends nothing: rounding it to ticks would only make it longer, and the axes slower.
+  // Nothing ends with this duration, so it is not rounded to ticks: that would only make it longer,
+  // and the axes slower.
   constexpr microseconds kFinest{1};
   const MotionLimits path = along_path(ways);
   const double needed = way_of_ramps(path.velocity, path, jerk_along_path(ways));
