@@ -25,7 +25,8 @@ struct Follower::State {
   }
 
   void note_lateness(std::uint64_t tick) {
-    // A frame reaches its feed slightly before it counts as a sign of life.
+    // A frame reaches its feed slightly before it counts as a sign of life, so `tick` may be the
+    // newer one.
     const std::uint64_t newest = std::max(core->discovery.tick(target.key), tick);
     const std::uint64_t behind = newest - tick;
     if (behind >= target.status_every_ticks) ++lateness.late;
@@ -63,7 +64,7 @@ Outcome Follower::next(std::chrono::milliseconds patience, Observation& sample) 
 }
 
 bool Follower::has_next() const {
-  if (!state_->core->discovery.check_process()) return true;  // next() reports it
+  if (!state_->core->discovery.check_process()) return true;  // forked: next() reports that
   if (state_->feed) return state_->core->stream.has_next(*state_->feed);
   return state_->core->clocks.steps_at_once(state_->target, 1);
 }

@@ -56,7 +56,7 @@ void take_context(const msg::ObjectResult& mark, AxisWrite& next) {
       next.means = AxisWrite::Means::bench;
       next.session = 0;
       break;
-    default:  // of another kind, or from a later version
+    default:  // another kind of mark, or one of a later version
       break;
   }
 }
@@ -162,7 +162,8 @@ Result<KeptWindow> kept_window(SessionCore& core, std::uint32_t bench, std::uint
       "bench " + std::to_string(bench) + " does not keep window " + std::to_string(number));
 }
 
-/// Waits until the bench has recorded the end of a window, if its time passes without steps.
+/// Waits until the bench has recorded the end of a window. Does not wait in lock-step or for a
+/// paused bench.
 Outcome wait_for_end(SessionCore& core, std::uint32_t bench, std::uint64_t number) {
   const auto target = core.links.connect(bench);
   if (!target) return target.outcome();
@@ -321,7 +322,7 @@ Result<std::vector<KeptWindow>> Session::windows(std::uint32_t bench) {
     const std::uint64_t number = kept.empty() ? 0 : kept.back().number;
     const auto next = exchange_with_bench(*core_, bench, ask::next_window(number), "windows");
     if (!next) return next.outcome();
-    if (next->snapshot <= number) return kept;  // 0; counting backwards would never end
+    if (next->snapshot <= number) return kept;  // 0 = no more; counting backwards would never end
     kept.push_back(window_of(*next));
     if (kept.back().causes.empty()) return Outcome::failed("a window of the bench has no cause");
   }

@@ -105,7 +105,7 @@ bool is_target(const ObjectValue& value) {
   return change == Change::target || change == Change::planned_target || change == Change::record;
 }
 
-/// @return whether the axis may keep running after this.
+/// @return whether the axis may keep running after this set-point.
 bool sets_in_motion(const SetPoint& point) {
   return point.position || point.velocity || point.torque ||
          std::ranges::any_of(point.objects, is_target);
@@ -251,7 +251,7 @@ Result<std::uint64_t> Session::step(std::uint32_t bench, std::uint64_t ticks) {
 }
 
 bool Session::steps_at_once(std::uint32_t bench, std::uint64_t ticks) const {
-  if (!core_->discovery.check_process()) return true;  // step() reports it
+  if (!core_->discovery.check_process()) return true;  // forked: step() reports that
   const auto target = core_->discovery.present_target(bench);
   return target && core_->clocks.steps_at_once(*target, ticks);
 }

@@ -17,7 +17,7 @@ using std::chrono::nanoseconds;
 
 static_assert(StepClock::kMostSteppers == msg::MAX_STEPPERS);
 
-// All benches step at most this far before one waits for the others.
+// A round grants each bench at most this many ticks, then waits for all benches.
 constexpr std::uint64_t kTicksPerRound = 2000;
 
 struct Member {
@@ -147,7 +147,7 @@ Result<std::vector<std::uint64_t>> StepClock::State::run(nanoseconds duration,
   if (!lock) {
     return Outcome::timed_out("another thread steps this clock, and its step has not ended");
   }
-  // Calls of the session step the same clocks.
+  // Locked, because other calls of the session step the same clocks.
   std::vector<StepLock> clocks;
   for (const Member& member : members) {
     auto its = core->clocks.lock_steps(member.target, deadline);

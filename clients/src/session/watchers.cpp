@@ -148,7 +148,7 @@ void EventWatcher::watch(std::function<void(const Event&)> observer, EventHistor
       run(*watch, stop, observe);
     });
   });
-  // Dropped with this call if the thread has not started or has already ended.
+  // If the thread has not started or has already ended, the subscription ends with this call.
   watch->subscription = std::make_unique<wire::Subscription<msg::Event>>(
       participant_,
       [this, its = watch.get()](const msg::Event& message, const wire::Source& /*source*/) {
@@ -169,7 +169,8 @@ void EventWatcher::run(Watch& watch, const std::stop_token& stop,
   }
 }
 
-/// When a bench is met, its events start at its present tick, which a sample contains.
+/// Waits for a sample of a newly found bench. The sample contains the present tick, from which
+/// events are reported unless the kept ones are wanted too.
 /// @return false if no sample arrives: the run has ended.
 bool EventWatcher::meet(const BenchKey& key, Watch& watch, const std::stop_token& stop) const {
   const auto deadline = Discovery::Clock::now() + kPresence;
