@@ -92,7 +92,7 @@ void BenchLinks::on_command_reply(const msg::CommandReply& message, const wire::
   if (message.session != session_) return;
   const BenchKey key{message.bench, message.incarnation};
   discovery_.note_sender(key, source);
-  // First: the call that receives the answer must find any loss of control that it reports.
+  // First: the call that receives the answer must find any loss of control that the answer reports.
   holdings_.note_answer(message);
   history_.note_answer(message);
   if (unanswered_.frames.answer({key, message.sequence_number}, message)) {
@@ -145,7 +145,8 @@ wire::Source BenchLinks::reached_source_of(const BenchKey& key) const {
   return link == links_.end() ? wire::Source{} : link->second.source;
 }
 
-/// Waits for both ends of all four queues: anything sent earlier would never arrive.
+/// Waits until all four queues are matched at both ends: a message sent before that would never
+/// arrive.
 bool BenchLinks::is_matched(const wire::Source& source, milliseconds patience) {
   return request_publication_->wait_for_match(source, patience) &&
          command_publication_->wait_for_match(source, patience) &&
@@ -231,7 +232,7 @@ bool BenchLinks::repair(const BenchKey& key) {
 template <typename Message>
 bool BenchLinks::send_patiently(wire::Publication<Message>& publication, const OpenLink& link,
                                 const Message& message) {
-  // The locks of this link are held: no handler takes them.
+  // The locks of this link stay held during the wait; no handler takes them.
   const auto is_sent = [&] {
     return participant_.make_room(link.key.number) && publication.write(message);
   };

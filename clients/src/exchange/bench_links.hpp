@@ -134,11 +134,11 @@ struct RequestAnswer : msg::Reply {
   std::vector<wire::ReceivedStatus> axes;
 };
 
-/// By number of the request, because another run of the service may answer, to say that it is
-/// another one.
+/// Keyed by the number of the request alone: another run of the service may answer too, to report
+/// that it is not the run that was asked.
 using UnansweredRequests = Unanswered<std::uint64_t, msg::Request, RequestAnswer>;
 
-/// Sequence numbers are counted per run.
+/// A frame needs its run as well, because sequence numbers are counted per run.
 using FrameNumber = std::pair<BenchKey, std::uint64_t>;
 using UnansweredFrames = Unanswered<FrameNumber, msg::CommandFrame, msg::CommandReply>;
 

@@ -219,7 +219,8 @@ void CommandHistory::note_gained(const BenchKey& key, std::span<const std::uint1
                                  std::uint64_t last_sequence) {
   const std::scoped_lock lock(mutex_);
   for (const std::uint16_t axis : axes) {
-    // Already in force: anything that this session gave the axis before is older.
+    // Tick 1: the acquisition is in force already. Every earlier command of this session to the
+    // axis is older.
     add(key, axis, {.after = last_sequence, .tick = 1, .what = "a new acquisition of the axis"});
   }
 }

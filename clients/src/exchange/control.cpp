@@ -26,14 +26,15 @@ using std::chrono::milliseconds;
 // A small fraction of the usual watchdog time: several keep-alives may be lost or late.
 constexpr milliseconds kKeepAlivePeriod{25};
 
-// While a bench reconnects, its watchdog is running.
+// Short, because the watchdog of a bench keeps running while the bench reconnects.
 constexpr milliseconds kRetry{5};
 
-// If the system forbids a real-time policy: still ahead of programs that compute.
+// Used if the system forbids a real-time policy; still puts the thread ahead of programs that
+// compute.
 constexpr int kNice = -10;
 
-/// On a busy machine this thread must run before those that compute. If the system permits neither,
-/// the priority stays unchanged.
+/// On a busy machine this thread must run before those that compute. If the system permits neither
+/// a real-time policy nor kNice, the priority stays unchanged.
 void raise_priority() {
   const sched_param lowest{.sched_priority = 1};
   if (sched_setscheduler(0, SCHED_RR | SCHED_RESET_ON_FORK, &lowest) == 0) return;
@@ -107,7 +108,8 @@ Outcome Control::acquire(const Target& target, std::span<const std::uint16_t> ax
                                 return holds(target, {&axis, 1});
                               });
   if (held.empty() || others.empty()) return acquire_part(target, axes, by_force);
-  // Separately and first: the new epoch that comes with the others says nothing about these.
+  // The axes already held come first, in a separate request: the new epoch that the others bring
+  // would not show whether one of these has been lost.
   if (Outcome kept = acquire_part(target, held, by_force); !kept) return kept;
   return acquire_part(target, others, by_force);
 }
@@ -229,7 +231,7 @@ Outcome Control::release(const Target& target, std::span<const std::vector<std::
     const auto answered = exchange_.await(target, number, patience);
     if (!answered && result) result = answered.outcome();
   }
-  // For any reason: it is unknown whether the axes are free.
+  // Whatever the reason of a failure, it is unknown whether the axes are free.
   if (result || result.kind() == OutcomeKind::lost) return result;
   return Outcome::lost(result.message());
 }

@@ -34,7 +34,7 @@ class Control {
   /// @param by_force also from other sessions
   Outcome acquire(const Target& target, std::span<const std::uint16_t> axes, bool by_force = false);
 
-  /// @return whether this session has acquired all of these and has received no loss of them.
+  /// @return whether this session has acquired all of these and has not learned that it lost one.
   [[nodiscard]] bool holds(const Target& target, std::span<const std::uint16_t> axes);
 
   /// Sends a request that must be answered before further frames, such as a power cycle: nothing

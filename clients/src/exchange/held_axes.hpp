@@ -46,7 +46,7 @@ class HeldAxes {
   [[nodiscard]] std::unique_lock<std::mutex> try_lock_sending(std::uint32_t bench);
 
   /// Records the answer of a bench that these axes are held in `epoch`.
-  /// @param lives_by_wall_clock whether it takes them away from a silent session
+  /// @param lives_by_wall_clock whether the bench takes axes away from a silent session
   /// @return whether the epoch is new: the session has gained an axis, or lost another one.
   bool note_acquired(const BenchKey& key, std::span<const std::uint16_t> axes, std::uint32_t epoch,
                      bool lives_by_wall_clock);
@@ -55,7 +55,7 @@ class HeldAxes {
   /// lost.
   void note_answer(const msg::CommandReply& reply);
 
-  /// @return whether this session has acquired all of these and has received no loss of them.
+  /// @return whether this session has acquired all of these and has not learned that it lost one.
   [[nodiscard]] bool holds(const BenchKey& key, std::span<const std::uint16_t> axes);
 
   /// Records that a frame about to be sent sets these axes in motion. Standstill counts only if it
@@ -72,8 +72,8 @@ class HeldAxes {
   /// no longer running.
   void note_seen(const BenchKey& key, std::span<const AxisSnapshot> axes);
 
-  /// @return the axes that this session releases, by run. From now on it sends them no keep-alives,
-  ///         and none of its calls relies on an axis that it kept.
+  /// @return the axes that this session releases, by run. From now on the session sends no
+  ///         keep-alives for them, and its calls do not rely even on those that it kept.
   [[nodiscard]] std::vector<ReleasedAxes> drop_all();
 
   /// @return as drop_all(), for one bench; nothing if this session holds none of its axes.

@@ -25,9 +25,9 @@ namespace vdrive::client {
 
 /// Publishes the name of this session and receives the names of others. A session that acquires no
 /// axis has no writer, and one that meets no other session no reader: each is created on first use,
-/// at a one-time cost to the session that reads a name. If permissions do not allow it, or DDS
-/// refuses, it is left out: then the others, or we, know no name. Thread-safe; the caller must hold
-/// no lock of the session.
+/// at a one-time cost to the session that reads a name. Without the permission for one of them, or
+/// if DDS refuses it, the session does without: its name stays unknown to others, or their names to
+/// it. Thread-safe; the caller must hold no lock of the session.
 class SessionNames {
  public:
   using Clock = Discovery::Clock;
