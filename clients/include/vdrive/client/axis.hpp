@@ -173,18 +173,19 @@ class Axis {
   /// session; 0 brakes it to standstill. After a call that fails, the session does not release the
   /// axis: see Session.
   /// @param velocity [UU/s]
-  /// @return refused if a ramp or a limit of 0 allows no motion, or above 607Fh or 6080h; failed if
-  ///         a limit switch (60FDh) stops the axis, the drive limits the velocity to the 607Fh and
-  ///         6080h that held when it was last enabled, the axis was halted on the way, or the wait
-  ///         was interrupted: in that case the motion continues.
+  /// @return refused if a ramp or a limit of 0 allows no motion, or if `velocity` is above 607Fh or
+  ///         6080h; failed if a limit switch (60FDh) stops the axis, the drive limits the velocity
+  ///         to the 607Fh and 6080h that held when it was last enabled, the axis was halted on the
+  ///         way, or the wait was interrupted: in that case the motion continues.
   Outcome run_at(std::int32_t velocity, const VelocityOptions& options = {});
 
   /// Profile torque mode (6060h = 4) with 6071h = `torque`: waits until the torque command has
   /// reached it (bit 10). The torque stays after the call, as the velocity of run_at() does, and an
   /// axis without a load accelerates to its speed limit.
   /// @param torque [‰ of rated torque]
-  /// @return refused above 6072h, 60E0h or 60E1h; failed if one of them (converted through the
-  ///         rated current) or a limit switch (60FDh) limits the torque; otherwise as run_at().
+  /// @return refused if `torque` is beyond 6072h, 60E0h or 60E1h; failed if one of them (converted
+  ///         through the rated current) or a limit switch (60FDh) limits the torque; otherwise as
+  ///         run_at().
   Outcome apply_torque(std::int16_t torque, const TorqueOptions& options = {});
 
   /// Runs at `velocity` in profile velocity mode while `held` returns true, then brakes and waits
@@ -193,10 +194,10 @@ class Axis {
   /// stops the axis.
   ///
   /// However the jog ends, it leaves 60FFh at 0, so that the axis does not start moving when it is
-  /// next enabled; unless the bench is lost, or another session or another call of this one has the
-  /// axis. If the last command is refused or no standstill is seen, the call stops the axis with a
-  /// quick stop, which needs no control; an axis that another session has commanded since is left
-  /// to that session.
+  /// next enabled. It does not do so if the bench is lost, or if another session or another call of
+  /// this one has the axis. If the last command is refused or no standstill is seen, the call stops
+  /// the axis with a quick stop, which needs no control; an axis that another session has commanded
+  /// since is left to that session.
   /// @param velocity [UU/s]
   /// @param held called in every observed tick; must not block. If it throws, the axis is stopped
   ///        first

@@ -200,10 +200,10 @@ class AxisGroup {
   Outcome start_streaming(const StreamOptions& options = {});
 
   /// Sends the set-points of the next tick, rounded to integers, in one frame per bench. In
-  /// lock-step it steps one tick and returns the state after it, with Pace::observe the state
-  /// before that tick. In real time it waits until the bench is within `lead` of the previous tick,
-  /// which paces the caller, and returns the newest state. A velocity or a torque stays in force
-  /// until the next one.
+  /// lock-step with Pace::drive, it steps one tick and returns the state after it; with
+  /// Pace::observe, it does not step and returns the state before that tick. In real time it waits
+  /// until the bench is within `lead` of the tick of these set-points, and returns the newest
+  /// state; the wait paces the caller. A velocity or a torque stays in force until the next one.
   /// @return failed if an axis failed (the others are stopped), refused if a set-point was late or
   ///         does not fit in its object.
   Result<GroupStatus> stream(const Eigen::VectorXd& set_points);

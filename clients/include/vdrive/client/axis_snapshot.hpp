@@ -27,8 +27,9 @@ struct AxisSnapshot {
   /// bench.
   bool has_owner = true;
 
-  /// Ticks that the tick number jumped over since the call or follower that returns this began:
-  /// they were not run. For the drive time between two of its snapshots, use driven_tick().
+  /// Ticks that were not run because the tick number jumped over them, since the start of the call
+  /// or follower that returned this snapshot. For the drive time between two snapshots of the same
+  /// call or follower, use driven_tick().
   std::uint64_t skipped = 0;
 
   /// @return `tick` minus the skipped ticks: for durations.

@@ -44,7 +44,8 @@ enum class KeepAlive : std::uint8_t {
 /// Where to look for benches, and how. The defaults find every bench of this machine on the default
 /// domain.
 struct SessionOptions {
-  /// A session that misses the first message of an authentication gets the next one a second later.
+  /// Longer than the default, because a session that misses the first message of an authentication
+  /// gets the next one a second later.
   static constexpr std::chrono::milliseconds kFindTimeoutOfClosedMode{5'000};
 
   std::optional<std::uint32_t> domain{};  ///< DDS domain, 0 to 232; none = default_domain()
@@ -235,8 +236,8 @@ class StatusReports {
 /// its motion. It does not release an axis that one of its calls set into a motion without an end
 /// (a velocity, a torque, a stream, set-points) and that it has not seen stop since: nothing would
 /// stop a free axis. That axis stays with the session, and the watchdog of the bench stops it when
-/// the session falls silent. A call that reached the velocity or torque that it should leave
-/// running did so on purpose: its axis is released.
+/// the session falls silent. Once run_at() or apply_torque() has reached its velocity or torque,
+/// the axis runs on as the program wanted, and is released.
 ///
 /// Time-outs of motion are drive time, counted in ticks that are run: a jump of the tick number
 /// uses up none of it. In freerun they count from the tick in which the last command of the call
@@ -288,14 +289,15 @@ class Session {
   ///         must be received first, up to 100 ms for a session not asked for before.
   [[nodiscard]] std::optional<SessionName> find_name(std::uint32_t bench, std::uint64_t session);
 
-  /// @return as find_name() without waiting: what has arrived since the first call of either.
+  /// @return as find_name(), without waiting: only names that have arrived since the first call of
+  ///         either function.
   [[nodiscard]] std::optional<SessionName> known_name(std::uint32_t bench, std::uint64_t session);
 
   /// Waits until there is a bench, every service that announced itself has described its bench, and
-  /// no further bench has appeared for 150 ms or for four times as long as the first one took; at
-  /// most `find_timeout` in total. Three times as long while there is no bench, but a service has
-  /// announced itself. If the machine runs this thread late, the wait grows by four times that
-  /// delay, by at most three times `find_timeout`.
+  /// no further bench has appeared for 150 ms, or for four times as long as the first one took if
+  /// that is longer; at most `find_timeout` in total. If a service has announced itself but there
+  /// is no bench yet, the limit is three times `find_timeout`. If the machine runs this thread
+  /// late, the wait grows by four times that delay, by at most three times `find_timeout`.
   /// @return the benches by number; empty if none was found in that time. A bench is there while
   ///         its samples are younger than 300 ms and it has not announced its end.
   [[nodiscard]] std::vector<BenchInfo> find_benches();
@@ -317,8 +319,8 @@ class Session {
   Result<BenchInfo> find_bench(std::optional<std::uint32_t> number = std::nullopt);
 
   /// @param text an address such as "1.2" or "1.lift", or the name of an axis. A name is found as
-  ///        soon as a bench that has it answers. If benches may share a name, use the address: a
-  ///        bench that answers late is not compared.
+  ///        soon as a bench that has it answers. If axes of several benches may have the same name,
+  ///        use the address: a bench that answers later is not considered.
   /// @return not_found after `find_timeout`; immediately if the bench is there but has no such
   ///         axis, or if several axes have the name.
   Result<Axis> axis(std::string_view text);
@@ -329,7 +331,8 @@ class Session {
   Result<std::vector<Axis>> axes(std::optional<std::uint32_t> bench = std::nullopt);
 
   /// Takes control of axes of one bench without a command: of all of them, or of none if one is
-  /// refused. With more than kMostAxesAtOnce axes, the first of them decide.
+  /// refused. More than kMostAxesAtOnce axes are acquired in parts of that size, in order: a
+  /// refusal ends the call, and the earlier parts stay acquired.
   /// @param axes of one bench, each once
   /// @return refused if another session holds one of them.
   Outcome acquire(std::span<const AxisId> axes);

@@ -56,12 +56,12 @@ class StepClock {
   /// Steps all benches together and waits for all of them.
   /// @param ticks of each bench; their periods must be equal
   /// @return the tick that each bench has reached, in the order of `join`;
-  ///         timed_out, naming the benches that have not got there and the session that each waits
-  ///         for, or that it waits for more steppers: granted ticks stay granted, and the same call
-  ///         again continues with them;
+  ///         timed_out, naming the benches that have not reached it and, for each, the session that
+  ///         it waits for, or that it waits for more steppers: granted ticks stay granted, and the
+  ///         same call again continues with them;
   ///         timed_out, with nothing granted, if another thread has stepped this clock since;
-  ///         lost, naming the bench, if its service fell silent or was restarted: the new one is
-  ///         never stepped, and the others not until their clock is joined again;
+  ///         lost, naming the bench, if its service fell silent or was restarted: the new run is
+  ///         never stepped, and the other benches only after their clock is joined again;
   ///         failed if the periods differ, if the ticks take 2^63 ns or more, and after
   ///         Session::interrupt, which ends the call as a time-out does.
   Result<std::vector<std::uint64_t>> step(std::uint64_t ticks,
