@@ -45,8 +45,8 @@ struct BenchOptions {
   std::string configuration{};
   std::filesystem::path configuration_file{};  ///< instead of `configuration`
   std::optional<std::size_t> axes{};  ///< 1 to kMostAxes default axes, not the configured ones
-  /// Type of machine for the axes (docs/reference/presets.md), one axis without `axes`; empty =
-  /// none.
+  /// Type of machine for the axes (docs/reference/presets.md); one axis if `axes` is not set. Empty
+  /// = none.
   std::string preset{};
   /// Motor, load and settings of each axis, instead of the configured ones; not together with
   /// `axes` or `preset`. 1 to kMostAxes; the bench assigns numbers (from 1), names ("axis1", ...)
