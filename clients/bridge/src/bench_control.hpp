@@ -20,7 +20,7 @@ class BenchControl final : private ControlledBench {
     std::string label;  ///< name of the bench in reports
     ControlRemedies remedies{};
     /// For bridges in which nobody can ask for control: control is wanted from the beginning and is
-    /// regained after a loss, like on a real drive whose local operator leaves.
+    /// regained after a loss, as on a real drive when its local operator leaves.
     bool is_automatic = false;
   };
 

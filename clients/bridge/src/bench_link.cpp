@@ -13,8 +13,9 @@ using std::chrono::milliseconds;
 // nothing.
 constexpr milliseconds kLongestFollow{10};
 
-// A reader gets the stream only some milliseconds after it was opened. During this time the state
-// is requested too: in lock-step no other tick may follow a step that ends within it.
+// A stream delivers nothing in its first milliseconds. In lock-step the state is therefore also
+// requested during this time: a step may end before the stream delivers, and perhaps no tick
+// follows.
 constexpr std::chrono::seconds kOpeningOfStream{2};
 constexpr milliseconds kAskAgainAfter{100};
 

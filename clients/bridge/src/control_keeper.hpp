@@ -93,7 +93,7 @@ class ControlKeeper {
   mutable std::mutex mutex_;  ///< guards the members that want() changes
   bool is_wanted_ = false;
   bool is_new_ = false;  ///< wanted again: repeat earlier reports
-  bool had_it_ = false;  ///< all axes, since control was wanted
+  bool had_it_ = false;  ///< has controlled all axes since control was wanted
   bool has_lost_ = false;
   // Used only by the thread of keep().
   Reported reported_;

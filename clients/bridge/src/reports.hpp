@@ -41,8 +41,8 @@ class ReportLimit {
   std::map<std::string, Subject> subjects_;
 };
 
-/// Reports from a bridge to its operator: a line on standard error, and any use that the bridge
-/// makes of it. Thread-safe; not for DDS threads.
+/// Reports from a bridge to its operator: a line on standard error, which the sink of the bridge
+/// also receives. Thread-safe; not for DDS threads.
 class Reports {
  public:
   /// Receives each reported line, for example to write it to a log of the other protocol.
