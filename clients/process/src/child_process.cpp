@@ -91,7 +91,7 @@ bool give(int descriptor, int number) {
 
 /// Runs in the child.
 bool give_all(const Streams& streams) {
-  // Input first: another target number may be that of its descriptor.
+  // Input first: its descriptor may have a number that one of the other streams takes.
   if (!give(streams.input, STDIN_FILENO)) return false;
   if (streams.are_shared) return give(streams.output, kChildResults);
   return give(streams.output, STDOUT_FILENO) && give(streams.errors, STDERR_FILENO);

@@ -25,7 +25,7 @@ namespace {
 
 using Domains = std::set<std::uint32_t>;
 
-/// The owners of the ports: for each user its sockets, for each socket its domain.
+/// The owners of the ports: for each user, the domain of each of the user's sockets.
 using Holders = std::map<uid_t, std::multiset<std::uint32_t>>;
 
 /// Adds the user and the domain of a socket if its port is the group port of one of our domains.
