@@ -13,8 +13,8 @@
 namespace vdrive::recording {
 namespace {
 
-// Writers make chunks of 1 to 4 MiB. A file of a few kB may claim this size, and takes twice as
-// much.
+// Writers make chunks of 1 to 4 MiB. Limited, because a file of a few kB may claim any size; a
+// chunk of the largest size takes twice as much memory.
 constexpr int kLargestWindow = 26;                                           // power of two [bytes]
 constexpr std::uint64_t kLargestChunk = std::uint64_t{1} << kLargestWindow;  // [bytes]
 constexpr std::size_t kStep = std::size_t{1} << 20U;                         // [bytes]
@@ -128,7 +128,8 @@ std::optional<McapRecord> McapReader::next_of_file() {
   return record;
 }
 
-/// The checksum of the data is in the record after it, that of the summary in its last record.
+/// The checksum of the data is in the record after the data, that of the summary in the last record
+/// of the summary.
 void McapReader::check_sums(const McapRecord& record, std::string_view head) {
   if (record.offset == kMcapMagic.size()) crc_ = crc_of(kMcapMagic);
   if (record.opcode == Opcode::data_end) {

@@ -58,7 +58,7 @@ class McapReader {
   std::unique_ptr<Decompressor> decompressor_;
   std::uint64_t size_ = 0;    ///< of the file
   std::uint64_t offset_ = 0;  ///< bytes read
-  std::uint32_t crc_ = 0;     ///< of them; from the summary on, of the summary
+  std::uint32_t crc_ = 0;     ///< of these bytes; from the summary on, of the summary only
   bool has_ended_ = false;
   std::string cut_;
   std::string body_;

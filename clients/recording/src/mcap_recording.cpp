@@ -173,7 +173,7 @@ struct Schema {
 
 struct StatusChannel {
   std::uint32_t bench = 0;
-  std::string name{};  ///< of its axis, if it is of one axis
+  std::string name{};  ///< of the axis, if the channel has only one
   std::string topic{};
   const StatusLayout* layout = nullptr;
 };
@@ -208,7 +208,7 @@ class StatusReader {
   Contents finish(std::string cut) {
     if (status_.empty() && cut.empty()) refuse();
     contents_.cut = std::move(cut);
-    // A program that records topics may stop between two of them.
+    // A program that records the topics of the gateway may stop between two topics of a tick.
     const std::string shortage = order_.shortage(sample_);
     if (shortage.empty()) end_sample();
     if (contents_.cut.empty()) contents_.cut = shortage;

@@ -145,7 +145,7 @@ class Writer {
 
   virtual void parameters(const bridge::ParameterImage& image) = 0;
 
-  /// @param now data added some time before this is written to the file
+  /// @param now the present time: data added some time before it is written to the file
   virtual void flush(Clock::time_point now) = 0;
 
   /// Last call.

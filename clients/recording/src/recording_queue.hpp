@@ -27,7 +27,7 @@ class RecordingQueue {
   static constexpr std::size_t kMostEvents = 4096;
 
   /// @param writer begin() must have been called on it
-  /// @param most_images kMostImages; one sample is always accepted
+  /// @param most_images the most status images that may wait; an empty queue accepts any sample
   explicit RecordingQueue(std::unique_ptr<Writer> writer, std::size_t most_images = kMostImages);
 
   /// Ends the thread; without finish() the recording has no end.
