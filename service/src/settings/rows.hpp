@@ -337,7 +337,7 @@ struct OwnerOfMember<Member Owner::*> {
 template <auto kMember>
 using OwnerOf = typename OwnerOfMember<decltype(kMember)>::Type;
 
-/// @return the place to which a chain of member pointers leads.
+/// @return the member to which a chain of member pointers leads.
 template <auto kMember, auto... kFurther>
 [[nodiscard]] constexpr auto& place_in(auto& owner) {
   if constexpr (sizeof...(kFurther) == 0) {
