@@ -147,8 +147,7 @@ class ForkServer {
       return;
     }
     child_descriptor_ = static_cast<int>(syscall(SYS_pidfd_open, child_, 0));
-    if (child_descriptor_ <
-        0) {  // without a pidfd, its end would go unnoticed until an examination
+    if (child_descriptor_ < 0) {  // without a pidfd only an examination would notice its end
       ::kill(child_, SIGKILL);
       leaving_.push_back(child_);
       report_end(SIGKILL);
