@@ -322,7 +322,7 @@ Result<std::vector<KeptWindow>> Session::windows(std::uint32_t bench) {
     const std::uint64_t number = kept.empty() ? 0 : kept.back().number;
     const auto next = exchange_with_bench(*core_, bench, ask::next_window(number), "windows");
     if (!next) return next.outcome();
-    if (next->snapshot <= number) return kept;  // 0 = no more; counting backwards would never end
+    if (next->snapshot <= number) return kept;  // 0 = the end; counting backwards would never end
     kept.push_back(window_of(*next));
     if (kept.back().causes.empty()) return Outcome::failed("a window of the bench has no cause");
   }
