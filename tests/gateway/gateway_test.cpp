@@ -725,9 +725,9 @@ TEST(GatewayServices, FreezeTheTicksUpToNowForAProgramWithControl) {
   ASSERT_EQ(frozen["window"], 1) << frozen;
   const Json window = client.call("/fault", {{"window", 1}, {"axis", "1.1"}});
   const auto& ticks = window["samples"]["tick"];
-  ASSERT_EQ(ticks.size(), 40U) << window["message"];  // none is older than the bench
-  EXPECT_EQ(ticks.front(), 1);
-  EXPECT_EQ(window["samples"]["ds402_statusword"].size(), 40U);
+  ASSERT_EQ(ticks.size(), 41U) << window["message"];  // 0 to 40: none is older than the bench
+  EXPECT_EQ(ticks.front(), 0);
+  EXPECT_EQ(window["samples"]["ds402_statusword"].size(), 41U);
 }
 
 TEST(GatewayServices, DescribeTheErrorOfARequest) {
