@@ -20,8 +20,8 @@ constexpr std::size_t kMostObjects = msg::MAX_OBJECTS_PER_REQUEST;
 /// An entry, preceded by the marks of its tick, its author or session, and its state.
 constexpr std::size_t kItemWithMarks = 4;
 
-/// @return whether the values listed for a state include the object, as they do for every object
-///         that may have been written before that state.
+/// @return whether the values of a state list the object. They list every object that may have been
+///         written before that state.
 constexpr bool is_shown(const ObjectDescription& row) noexcept {
   return row.access == Access::read_write && row.change != Change::memory;
 }
@@ -168,7 +168,7 @@ bool WindowPages::add_entry(msg::Reply& reply) {
   } else if (entry.change == JournalChange::Kind::connection_loss) {
     written.subindex = static_cast<std::uint8_t>(WrittenMark::connection_loss);
   } else if (entry.change != JournalChange::Kind::write) {
-    reply.objects.pop_back();  // stored values only take effect after a power cycle
+    reply.objects.pop_back();  // not shown: they only take effect after a power cycle
   }
   return true;
 }

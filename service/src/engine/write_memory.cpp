@@ -30,7 +30,7 @@ void WriteMemory::put(const JournalEntry& entry, const JournalAuthor& author) {
     if (change->kind == JournalChange::Kind::power_cycle) {
       kept.address = mark_address(WrittenMark::power_cycle);
     } else if (change->kind != JournalChange::Kind::write) {
-      return;  // visible in the status
+      return;  // not recorded: visible in the status
     }
   } else if (const auto* const refusal = std::get_if<JournalRefusal>(&entry)) {
     kept.axis = numbers_[refusal->axis];

@@ -46,8 +46,9 @@ struct BoxEntry {
 /// tick in between can be recomputed (WindowReplay). The ticks around a fault are kept longer, as a
 /// window.
 ///
-/// Belongs to the thread that steps the bank. It takes no lock and, once warm, allocates nothing.
-/// Another thread may read the segments of a window between `hold` and `let_go`.
+/// Belongs to the thread that steps the bank. It takes no lock, and allocates nothing once its
+/// buffers have grown. Another thread may read the segments of a window between `hold` and
+/// `let_go`.
 class BlackBox {
  public:
   /// A snapshot and everything recorded since, up to the next snapshot.

@@ -203,7 +203,8 @@ class Replay {
     return "axis " + std::to_string(named.number) + " (" + named.name + ")";
   }
 
-  /// @return a text that names the first row and the first member that differ, if their checks show
+  /// @return the first row and the first member that differ, or that the recorded checks do not
+  /// show
   ///         them.
   [[nodiscard]] std::string place_of(const StatusDigest& digest, const JournalTick& tick) const {
     const auto row =
