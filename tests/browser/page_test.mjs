@@ -709,7 +709,7 @@ const resetZoom = (state) => page.locator(`button:${state}`, { hasText: "Reset z
 test("the card of a fault opens by itself and tells what led to it, with a picture and who wrote what", async () => {
   const card = page.locator(".fault-card");
   await waitForText(card.locator("summary"), /Fault: 8611h/);
-  await waitForText(card.locator(".story"), /test_blocked_load \(5E01h\) = 1/);
+  await waitForText(card.locator(".story"), /test_blocked_load \(5E01h\) was set to 1/);
   await waitForText(card.locator(".story"), /following_error_window \(6065h\)/);
   await waitForText(card.locator(".fault-writes"), /test_blocked_load \(5E01h\) = 1/);
   assert.equal(await card.locator("svg").count(), 4);
@@ -718,7 +718,7 @@ test("the card of a fault opens by itself and tells what led to it, with a pictu
   await page.locator(".plot .u-over").first().waitFor();
   await command("close_recording").click();
   await page.goto(`${gateway.address}#/axis/1.1`);
-  await waitForText(card.locator(".story"), /test_blocked_load \(5E01h\) = 1/);
+  await waitForText(card.locator(".story"), /test_blocked_load \(5E01h\) was set to 1/);
 });
 
 test("an event leads to its time in the plots, where the fault has its name, also from the view Control", async () => {
