@@ -868,7 +868,7 @@ test("the judge tells what a master does wrong while its panel is open", async (
     assert.equal(await runTool(...words), 0);
   }
   const found = await waitForText(page.locator(".findings"), /handshake-2/);
-  assert.match(found, /\d\d:\d\d:\d\d\.\d{3}error.*6040h = 0x001F has bit 4 up/);
+  assert.match(found, /\d\d:\d\d:\d\d\.\d{3}error.*6040h = 0x001F has bit 4 set/);
   await page.locator(".findings li button").first().click();
   await resetZoom("enabled").waitFor();
   await command("pause").click();
