@@ -4,18 +4,19 @@
 
   check_words.py [--count] [PATH]...
 
-Reads the tracked *.md files and the comments (//, ///) of the tracked *.cpp and *.hpp files below each
-PATH, by default all. Each finding is a line "file:line: words: what to write instead". RULES is the list
-of words, EXEMPTIONS the list of places where a rule does not apply, each with its reason. With --count
-only the number of findings of each folder is printed.
+Reads the *.md files and the comments (//, ///) of the *.cpp and *.hpp files below each PATH, by default
+all. Each finding is a line "file:line: words: what to write instead". RULES is the list of words,
+EXEMPTIONS the list of places where a rule does not apply, each with its reason. With --count only the
+number of findings of each folder is printed.
 """
 import argparse
 import collections
 import fnmatch
 import pathlib
 import re
-import subprocess
 import sys
+
+import check_links
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 WIDTH = 120
@@ -206,11 +207,10 @@ def findings_in(path, text):
 
 
 def files_below(paths):
-    """@return the tracked files to be read, relative to the root."""
-    listed = subprocess.run(["git", "-C", ROOT, "ls-files", "-z", "--", *paths], check=True,
-                            capture_output=True, text=True).stdout
-    return [name for name in listed.split("\0")
-            if pathlib.PurePath(name).suffix in (".md", ".cpp", ".hpp") and (ROOT / name).is_file()]
+    """@return the files to be read, relative to the root, with / between folders."""
+    wanted = [path.resolve() for path in paths] or [ROOT]
+    return [file.relative_to(ROOT).as_posix() for file in check_links.files_of(ROOT)
+            if file.suffix in (".md", ".cpp", ".hpp") and any(file.is_relative_to(path) for path in wanted)]
 
 
 def main():
@@ -218,7 +218,7 @@ def main():
     parser.add_argument("--count", action="store_true", help="only the number of findings of each folder")
     parser.add_argument("paths", metavar="PATH", nargs="*", type=pathlib.Path)
     arguments = parser.parse_args()
-    findings = [finding for name in files_below([path.resolve() for path in arguments.paths])
+    findings = [finding for name in files_below(arguments.paths)
                 for finding in findings_in(name, (ROOT / name).read_text(encoding="utf-8"))]
     if arguments.count:
         rooms = collections.Counter("/".join(finding.path.split("/")[:-1][:2]) or "." for finding in findings)

@@ -106,7 +106,7 @@ class Words(unittest.TestCase):
         self.assertEqual([(2, "of before")], words_of("core/include/vdrive/number_text.hpp", text))
         self.assertEqual([(1, "is whole"), (2, "of before")], words_of("core/a.hpp", text.replace("\n", ".\n", 1)))
 
-    def test_the_tracked_files_below_a_path_are_read(self):
+    def test_the_files_below_a_path_are_read(self):
         root = check_words.ROOT
         self.assertEqual(["README.md"], check_words.files_below([root / "README.md"]))
         files = check_words.files_below([root / "docs", root / "core" / "include"])
