@@ -73,7 +73,9 @@ std::string refusal_of_choice(std::string_view text, const std::vector<std::stri
   if (std::ranges::find(words, text) != words.end()) return {};
   std::string list;
   for (const std::string& word : words) list += (list.empty() ? "" : ", ") + word;
-  return in_quotes(text) + " must be one of " + list + suggestion(text, words);
+  std::string refusal(1, '\'');
+  refusal.append(text).append("' must be one of ").append(list).append(suggestion(text, words));
+  return refusal;
 }
 
 std::string take_integer(std::string& text, std::int64_t lowest, std::int64_t highest) {

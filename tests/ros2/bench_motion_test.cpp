@@ -141,7 +141,7 @@ TEST(BenchMotion, EndsAllPlansWhenOneOfTheirAxesFailsAndBrakesWhatRunsFreely) {
   EXPECT_EQ(fake.drive().axis(1).status.velocity_demand_value, 1'000);
   fake.drive().show(0, PowerState::fault);
   fake.turn();
-  EXPECT_THAT(fake.motion().duties(), ElementsAre(JointTask::none, JointTask::velocity));
+  EXPECT_THAT(fake.motion().tasks(), ElementsAre(JointTask::none, JointTask::velocity));
   EXPECT_THAT(fake.written.lines,
               Contains(AllOf(HasSubstr("joint y: joint x "), HasSubstr(": it brakes"))));
   fake.run(100);
@@ -258,7 +258,7 @@ TEST(BenchMotion, BrakesWhatRunsFreelyWhenNobodyCommandsAnyMore) {
   fake.motion().stop_free_joints("the last publisher of joint commands is gone");
   EXPECT_THAT(fake.written.lines,
               ElementsAre("joint x: the last publisher of joint commands is gone: it brakes"));
-  EXPECT_THAT(fake.motion().duties(), ElementsAre(JointTask::velocity, JointTask::track));
+  EXPECT_THAT(fake.motion().tasks(), ElementsAre(JointTask::velocity, JointTask::track));
 }
 
 TEST(BenchMotion, EndsItsPlansWhenTheBenchCountsFromALowerNumber) {
@@ -266,7 +266,7 @@ TEST(BenchMotion, EndsItsPlansWhenTheBenchCountsFromALowerNumber) {
   fake.command(0, CommandInterface::position, 1.0);
   fake.drive().count_from(FakeBench::kBegin - 500);
   fake.turn();
-  EXPECT_THAT(fake.motion().duties(), Each(JointTask::none));
+  EXPECT_THAT(fake.motion().tasks(), Each(JointTask::none));
   fake.command(0, CommandInterface::position, 1.0);
   EXPECT_EQ(with_axes(fake.drive().take_sent()).back().tick, FakeBench::kBegin - 460);
 }
@@ -280,7 +280,7 @@ TEST(BenchMotion, EndsItsPlansWhenTheBenchSendsNoStatus) {
               ElementsAre(AllOf(Field(&BrokenTrajectory::number, std::uint64_t{3}),
                                 Field(&BrokenTrajectory::reason, "bench 1 sends no status"))));
   EXPECT_EQ(fake.motion().state(), nullptr);
-  EXPECT_THAT(fake.motion().duties(), Each(JointTask::none));
+  EXPECT_THAT(fake.motion().tasks(), Each(JointTask::none));
   fake.command(0, CommandInterface::position, 1.0);
   EXPECT_THAT(fake.written.lines, Contains(HasSubstr("is on a bench that sends no status")));
 }
@@ -304,7 +304,7 @@ TEST(BenchMotion, EndsATrajectoryThatTheBenchHasOvertakenAndKeepsALargerDistance
   const auto broken = fake.motion().update(fake.time);
   ASSERT_THAT(broken, SizeIs(2)) << "one a joint";
   EXPECT_EQ(broken[0].reason, "bench 1 was 1 ticks ahead of its set-points");
-  EXPECT_THAT(fake.motion().duties(), Each(JointTask::hold));
+  EXPECT_THAT(fake.motion().tasks(), Each(JointTask::hold));
   EXPECT_EQ(fake.motion().begin_tick(), 1'120U) << "20 ticks ahead";
 }
 

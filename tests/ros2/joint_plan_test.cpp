@@ -29,7 +29,7 @@ struct Planned {
             .period = 0.001};
   }
 
-  /// Runs the tick in which the drive changes to the mode of the duty.
+  /// Runs the tick in which the drive changes to the mode of the task.
   void enter() {
     const auto mode = plan.mode_point(now(), drives.tick() + 1);
     ASSERT_TRUE(mode);
@@ -53,7 +53,7 @@ TEST(JointPlan, GoesToAPositionInTheModeOfPositionsAndHoldsIt) {
   const auto first = joint.plan.next_point(joint.now(), joint.drives.tick() + 1);
   EXPECT_EQ(first.mode, OperatingMode::cyclic_synchronous_position);
   for (int tick = 0; tick < 1'000 && joint.plan.streams(); ++tick) joint.step();
-  EXPECT_EQ(joint.plan.duty(), JointTask::hold);
+  EXPECT_EQ(joint.plan.task(), JointTask::hold);
   EXPECT_EQ(joint.drives.axis(0).status.position_demand_value, 100) << "0.1 rad of 0.001 rad";
   EXPECT_EQ(joint.plan.motion(joint.now(), joint.drives.tick()).position, 0.1);
   EXPECT_FALSE(joint.plan.go_to(joint.now(), 0.1)) << "it is there";
@@ -65,7 +65,7 @@ TEST(JointPlan, ComesToRestBeforeItFollowsPositions) {
   joint.drives.axis(0).status.velocity_demand_value = 1000;
   EXPECT_TRUE(joint.plan.moves_by_itself(joint.now()));
   EXPECT_FALSE(joint.plan.go_to(joint.now(), 0.1)) << "no position is sent yet";
-  EXPECT_EQ(joint.plan.duty(), JointTask::settle);
+  EXPECT_EQ(joint.plan.task(), JointTask::settle);
   EXPECT_FALSE(joint.plan.settles(joint.now()));
   const auto mode = joint.plan.mode_point(joint.now(), joint.drives.tick() + 20);
   ASSERT_TRUE(mode);
@@ -75,7 +75,7 @@ TEST(JointPlan, ComesToRestBeforeItFollowsPositions) {
   (void)joint.drives.take({{.axes = {*mode}}});
   joint.drives.step();
   EXPECT_TRUE(joint.plan.settles(joint.now()));
-  EXPECT_EQ(joint.plan.duty(), JointTask::track);
+  EXPECT_EQ(joint.plan.task(), JointTask::track);
 }
 
 TEST(JointPlan, SendsTheModeOfAVelocityFirstAndAgainWhereTheDriveDidNotTakeIt) {
@@ -168,7 +168,7 @@ TEST(JointPlan, BrakesWhatVelocityOrEffortMoveAndNothingElse) {
   EXPECT_FALSE(joint.plan.brake_free()) << "it rests";
   joint.plan.run(joint.now(), JointTask::effort, 1.0);
   EXPECT_TRUE(joint.plan.brake_free());
-  EXPECT_EQ(joint.plan.duty(), JointTask::velocity);
+  EXPECT_EQ(joint.plan.task(), JointTask::velocity);
   EXPECT_TRUE(joint.plan.is_entering()) << "the drive brakes when its mode changes";
 }
 
@@ -282,7 +282,7 @@ TEST(JointPlan, EndsATrajectoryThatTheBenchHasOvertaken) {
   EXPECT_EQ(joint.drives.axis(0).status.position_demand_value, 500) << "half of the line";
   joint.drives.count_from(joint.drives.tick() + 50);
   EXPECT_EQ(joint.plan.start_again(joint.now()), 7U);
-  EXPECT_EQ(joint.plan.duty(), JointTask::hold);
+  EXPECT_EQ(joint.plan.task(), JointTask::hold);
   EXPECT_EQ(joint.plan.motion(joint.now(), 0).position, 0.5);
 }
 

@@ -303,8 +303,8 @@ TEST(EveryCommand, IsThatOfTheTableOfTheTool) {
   std::istringstream lines(kEveryCommand);
   for (std::string line; std::getline(lines, line);) used.insert(line.substr(0, line.find(' ')));
   for (const tool::CommandRow* const row : tool::commands()) {
-    if (row->face.deepest != tool::Place::scenario) continue;
-    EXPECT_THAT(used, Contains(std::string(row->face.name)));
+    if (row->info.deepest != tool::Place::scenario) continue;
+    EXPECT_THAT(used, Contains(std::string(row->info.name)));
   }
 }
 

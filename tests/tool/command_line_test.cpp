@@ -355,7 +355,7 @@ TEST(Recording, QuotesACsvFieldWhereNeeded) {
 TEST(CommandTable, EachExampleIsReadAsItsCommand) {
   ASSERT_GT(commands().size(), 30U);
   for (const CommandRow* const row : commands()) {
-    std::istringstream lines{std::string(row->face.example)};
+    std::istringstream lines{std::string(row->info.example)};
     for (std::string line; std::getline(lines, line);) {
       std::vector<std::string> words = split_words(line.substr(0, line.find(" > ")));
       if (words.front() == "vdrive") words.erase(words.begin());
@@ -370,7 +370,7 @@ TEST(CommandTable, EachExampleIsReadAsItsCommand) {
 TEST(CommandTable, HasTheCommandsOfAGroupSideBySide) {
   std::vector<CommandGroup> groups;
   for (const CommandRow* const row : commands()) {
-    if (groups.empty() || groups.back() != row->face.group) groups.push_back(row->face.group);
+    if (groups.empty() || groups.back() != row->info.group) groups.push_back(row->info.group);
   }
   std::vector<CommandGroup> sorted = groups;
   std::ranges::sort(sorted);
@@ -537,7 +537,7 @@ TEST(ScenarioCommand, WaitAndRefusedAreParsed) {
   const Command refused =
       parse_scenario_command(commands(), split("refused 0x06010002 write 1.1 0x6041 -0")).command;
   EXPECT_EQ(refused.refusal, 0x06010002U);
-  EXPECT_EQ(refused.row->face.name, "write");
+  EXPECT_EQ(refused.row->info.name, "write");
   EXPECT_THAT(refused.axes, ElementsAre("1.1"));
 }
 
@@ -550,7 +550,7 @@ TEST(ScenarioCommand, HasOneGrammarForEveryDurationAndNumber) {
     const auto& given = std::any_cast<const DisturbCommand&>(disturbed.arguments);
     EXPECT_EQ(given.duration, Duration(5s)) << text;
     EXPECT_EQ(given.inputs.front().value, 1'000) << text;
-    EXPECT_EQ(parse_scenario_command(commands(), {"wait", text}).command.row->face.name, "wait");
+    EXPECT_EQ(parse_scenario_command(commands(), {"wait", text}).command.row->info.name, "wait");
     EXPECT_EQ(parse_scenario_command(commands(), {"enable", "1.1", "--timeout", text}).timeout,
               Duration(5s))
         << text;

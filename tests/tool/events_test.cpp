@@ -168,7 +168,7 @@ TEST_F(HealthyBench, RefusesNothingOfAnyCommandOfTheTool) {
   const BenchOnWire bench("--clock lockstep");
   (void)call_all({"step 10", "step 10 --steppers 1"});
   for (const tool::CommandRow* const row : tool::commands()) {
-    const std::string name(row->face.name);
+    const std::string name(row->info.name);
     // test, bench and demo start benches of their own; doctor reads the network
     // (tool_processes_test); judge reads a log (tool_judge_test).
     const bool is_elsewhere =

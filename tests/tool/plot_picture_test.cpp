@@ -181,8 +181,8 @@ TEST(PlotPicture, FollowsTheSchemeOfTheViewerOnPaperOfItsOwn) {
 }
 
 TEST(PlotPicture, IsTheSameForTheSameTraces) {
-  const PlotStyle face{.title = "x", .origin = 1'000};
-  EXPECT_EQ(plot_svg(faulted_traces(), face), plot_svg(faulted_traces(), face));
+  const PlotStyle style{.title = "x", .origin = 1'000};
+  EXPECT_EQ(plot_svg(faulted_traces(), style), plot_svg(faulted_traces(), style));
 }
 
 TEST(PlotPicture, EscapesItsTexts) {

@@ -41,23 +41,23 @@ client::Observation observation(std::uint16_t count) {
   return sample;
 }
 
-std::map<client::AxisId, AxisLabel> faces_of(const client::Observation& sample,
-                                             const std::string& name) {
-  std::map<client::AxisId, AxisLabel> faces;
-  for (const client::AxisSnapshot& axis : sample.axes) faces[axis.id] = {name, {}};
-  return faces;
+std::map<client::AxisId, AxisLabel> labels_of(const client::Observation& sample,
+                                              const std::string& name) {
+  std::map<client::AxisId, AxisLabel> labels;
+  for (const client::AxisSnapshot& axis : sample.axes) labels[axis.id] = {name, {}};
+  return labels;
 }
 
 std::vector<LiveLine> table_of(const client::Observation& sample, TerminalSize size) {
-  return watch_table(sample, faces_of(sample, "gantry_left"), size);
+  return watch_table(sample, labels_of(sample, "gantry_left"), size);
 }
 
 TEST(WatchTable, FitsTheWidthAndHeightOfTheTerminal) {
   const client::Observation sample = observation(20);
-  const auto faces = faces_of(sample, "轴_with_a_long_name_of_many_characters");
+  const auto labels = labels_of(sample, "轴_with_a_long_name_of_many_characters");
   for (std::size_t columns = 2; columns <= 300; ++columns) {
     for (const std::size_t rows : {1U, 3U, 10U, 22U, 100U}) {
-      const auto lines = watch_table(sample, faces, {columns, rows});
+      const auto lines = watch_table(sample, labels, {columns, rows});
       EXPECT_LE(lines.size(), std::max<std::size_t>(rows, 3));
       for (const LiveLine& line : lines) EXPECT_LT(display_width(line.text), columns) << line.text;
     }
@@ -71,9 +71,9 @@ TEST(WatchTable, ShowsPositionVelocityAndStateIn65Columns) {
   sample.axes = {axis_of(1)};
   sample.axes[0].status.load_position_actual_value = -123'456;
   sample.axes[0].status.load_velocity_actual_value = 123'456;
-  auto faces = faces_of(sample, "axis");
-  faces[{1, 1}].unit = {.kind = client::UnitKind::linear, .name = "mm", .size = 1'000.0};
-  EXPECT_EQ(watch_table(sample, faces, {65, 24}).at(2).text,
+  auto labels = labels_of(sample, "axis");
+  labels[{1, 1}].unit = {.kind = client::UnitKind::linear, .name = "mm", .size = 1'000.0};
+  EXPECT_EQ(watch_table(sample, labels, {65, 24}).at(2).text,
             "1.1  -123.456 mm 123.456 mm/s  Operation enabled: target reached");
 }
 
@@ -97,9 +97,9 @@ TEST(WatchTable, ShowsPositionAndVelocityInTheUnitOfEachAxis) {
   sample.axes = {axis_of(1), axis_of(2)};
   sample.axes[0].status.load_position_actual_value = 1'024;
   sample.axes[1].status.load_position_actual_value = 1'024;
-  auto faces = faces_of(sample, "axis");
-  faces[{1, 2}].unit = {.kind = client::UnitKind::linear, .name = "mm", .size = 1'000.0};
-  const auto lines = watch_table(sample, faces, {80, 24});
+  auto labels = labels_of(sample, "axis");
+  labels[{1, 2}].unit = {.kind = client::UnitKind::linear, .name = "mm", .size = 1'000.0};
+  const auto lines = watch_table(sample, labels, {80, 24});
   EXPECT_EQ(lines.at(2).text,
             "1.1    90.00 deg      1024   0.00 deg/s  Operation enabled: target reached");
   EXPECT_EQ(lines.at(3).text,
@@ -137,9 +137,9 @@ TEST(WatchTable, IsSortedBySelectedColumn) {
   sample.axes[1].status.load_velocity_actual_value = -70;
   sample.axes[0].status.load_position_actual_value = 9;
   sample.axes[2].status.ds402_statusword = 0x0218;
-  const auto faces = faces_of(sample, "axis");
+  const auto labels = labels_of(sample, "axis");
   const auto sorted = [&](WatchChoice choice) {
-    return watch_table(sample, faces, {80, 24}, choice);
+    return watch_table(sample, labels, {80, 24}, choice);
   };
   EXPECT_THAT(axes_of(sorted({})), ElementsAre("1.1", "1.2", "1.3"));
   EXPECT_THAT(axes_of(sorted({.is_reversed = true})), ElementsAre("1.3", "1.2", "1.1"));
@@ -155,9 +155,9 @@ TEST(WatchTable, IsSortedBySelectedColumn) {
 // Six rows: title, header, three axes, and a row that counts the others.
 TEST(WatchTable, HasPagesWhereNotAllAxesFit) {
   const client::Observation sample = observation(8);
-  const auto faces = faces_of(sample, "axis");
+  const auto labels = labels_of(sample, "axis");
   const auto page = [&](std::size_t first) {
-    return axes_of(watch_table(sample, faces, {80, 6}, {.first = first}));
+    return axes_of(watch_table(sample, labels, {80, 6}, {.first = first}));
   };
   EXPECT_THAT(page(0), ElementsAre("1.1", "1.2", "1.3", "..."));
   EXPECT_THAT(page(3), ElementsAre("1.4", "1.5", "1.6", "..."));
@@ -167,7 +167,8 @@ TEST(WatchTable, HasPagesWhereNotAllAxesFit) {
 
 TEST(WatchTable, ReportsThatNoAxisHasAFault) {
   const client::Observation sample = observation(2);
-  const auto lines = watch_table(sample, faces_of(sample, "axis"), {80, 24}, {.only_faults = true});
+  const auto lines =
+      watch_table(sample, labels_of(sample, "axis"), {80, 24}, {.only_faults = true});
   ASSERT_THAT(lines, SizeIs(3));
   EXPECT_EQ(lines[2].text, "no axis has a fault");
 }
@@ -204,7 +205,7 @@ TEST(WatchView, ShowsATickThatComesTwiceInOneLine) {
     sample.tick = 42;
     sample.axes = {axis_of(1)};
     Terminal terminal;
-    WatchView view(terminal, faces_of(sample, "lift"), form);
+    WatchView view(terminal, labels_of(sample, "lift"), form);
     WatchView::Clock::time_point now{};
     view.take(sample);
     EXPECT_TRUE(view.refresh(now));

@@ -58,19 +58,19 @@ py::tuple judge_journal(const std::string& path,
     throw py::value_error(path + " cannot be judged: " + result.problem);
   }
   judge::Verdict& verdict = result.verdict.verdict;
-  judge::ReportLabels face{.source = path,
-                           .name_of = judge::axes_of_bench(result.verdict.bench),
-                           .notes = result.verdict.notes};
-  face.unused = judge::except(verdict, exceptions, face.name_of);
+  judge::ReportLabels labels{.source = path,
+                             .name_of = judge::axes_of_bench(result.verdict.bench),
+                             .notes = result.verdict.notes};
+  labels.unused = judge::except(verdict, exceptions, labels.name_of);
   py::list findings;
   for (const judge::Finding& finding : verdict.findings) {
-    findings.append(record_of(finding, face.name_of));
+    findings.append(record_of(finding, labels.name_of));
   }
   py::list unused;
-  for (const judge::Exception& exception : face.unused) {
+  for (const judge::Exception& exception : labels.unused) {
     unused.append(judge::row_of(exception.rule).name);
   }
-  return py::make_tuple(findings, unused, judge::text_report(verdict, face));
+  return py::make_tuple(findings, unused, judge::text_report(verdict, labels));
 }
 
 }  // namespace

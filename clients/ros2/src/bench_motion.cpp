@@ -81,7 +81,7 @@ void BenchMotion::command(const JointCommand& command) {
   const std::size_t place = command.joint.place;
   JointPlan& plan = plans_[place];
   std::string problem = obstacle(place);
-  if (problem.empty() && plan.duty() == JointTask::trajectory) problem = "follows a trajectory";
+  if (problem.empty() && plan.task() == JointTask::trajectory) problem = "follows a trajectory";
   if (problem.empty()) {
     problem = problem_of(command, bench_.joints()[place], (*now_.seen.limits)[place]);
   }
@@ -133,10 +133,10 @@ bool BenchMotion::follows(std::uint64_t number) const {
   return std::ranges::count(plans_, number, &JointPlan::trajectory) > 0;
 }
 
-std::vector<JointTask> BenchMotion::duties() const {
-  std::vector<JointTask> duties(plans_.size());
-  std::ranges::transform(plans_, duties.begin(), &JointPlan::duty);
-  return duties;
+std::vector<JointTask> BenchMotion::tasks() const {
+  std::vector<JointTask> tasks(plans_.size());
+  std::ranges::transform(plans_, tasks.begin(), &JointPlan::task);
+  return tasks;
 }
 
 // ---- each cycle ------------------------------------------------------------------------------
@@ -190,7 +190,7 @@ BrokenTrajectories BenchMotion::end_all(const std::string& reason) {
 void BenchMotion::check_commands() {
   if (command_timeout_ <= 0.0) return;
   for (std::size_t i = 0; i < plans_.size(); ++i) {
-    if (plans_[i].duty() == JointTask::none) continue;
+    if (plans_[i].task() == JointTask::none) continue;
     const bool ran = stream_.is_running();
     if (!plans_[i].brake_without_command(now_.joint(i), command_timeout_)) continue;
     if (!ran && stream_.is_running()) stream_.begin(now_.tick());
@@ -219,7 +219,7 @@ BrokenTrajectories BenchMotion::catch_up() {
 /// short of its goal: they are sent again.
 void BenchMotion::check_ends() {
   for (std::size_t i = 0; i < plans_.size(); ++i) {
-    if (plans_[i].duty() == JointTask::none) continue;
+    if (plans_[i].task() == JointTask::none) continue;
     const JointCycle joint = now_.joint(i);
     const JointPlan::End end = plans_[i].check_end(joint);
     if (end == JointPlan::End::given_up) {
@@ -235,7 +235,7 @@ void BenchMotion::check_ends() {
 /// @return why a joint with a plan cannot be moved; empty if all can.
 std::string BenchMotion::first_obstacle() const {
   for (std::size_t i = 0; i < plans_.size(); ++i) {
-    if (plans_[i].duty() == JointTask::none) continue;
+    if (plans_[i].task() == JointTask::none) continue;
     const std::string problem = power_.wants_enabled() ? obstacle(i) : "is disabled";
     if (!problem.empty()) return bench_.joints()[i].label() + " " + problem;
   }

@@ -83,7 +83,7 @@ class BenchMotion {
   void brake(std::uint64_t number);
 
   /// @return the task of each joint, in the order of the joints.
-  [[nodiscard]] std::vector<JointTask> duties() const;
+  [[nodiscard]] std::vector<JointTask> tasks() const;
 
   /// @return the number of the trajectory that the joint follows, 0 = none.
   [[nodiscard]] std::uint64_t trajectory_of(std::size_t place) const {

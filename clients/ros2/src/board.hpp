@@ -24,7 +24,7 @@ struct BenchView {
   Bench::State state{};                  ///< null while the bench sends no status
   Bench::Limits limits{};
   std::shared_ptr<const Bench::Names> names{};
-  std::vector<JointTask> duties{};
+  std::vector<JointTask> tasks{};
   bool is_enabled = false;
   std::uint64_t session = 0;  ///< of the bridge
   std::string problem{};      ///< why the bridge does not serve the bench; empty = it does

@@ -87,7 +87,7 @@ DiagnosticStatus joint_status(const BenchView& view, std::size_t place) {
   status.message = message;
   add(status, "state", std::string(to_string(axis.state())));
   add(status, "mode", std::string(to_string(axis.mode())));
-  add(status, "duty", std::string(to_string(view.duties[place])));
+  add(status, "duty", std::string(to_string(view.tasks[place])));
   add(status, "error code", hex(axis.status.error_code, 4));
   add(status, std::string("following error ").append(joint.unit_name()).c_str(),
       text_of(axis.status.load_position_error_value * joint.si_per_user_unit));

@@ -36,35 +36,35 @@ std::int16_t per_mille(const JointCycle& now, double effort) noexcept {
 
 }  // namespace
 
-std::string_view to_string(JointTask duty) noexcept {
+std::string_view to_string(JointTask task) noexcept {
   constexpr std::array<std::string_view, 7> kNames{"none",     "hold",   "track", "trajectory",
                                                    "velocity", "effort", "settle"};
-  return kNames[static_cast<std::size_t>(duty)];
+  return kNames[static_cast<std::size_t>(task)];
 }
 
 OperatingMode JointPlan::mode() const noexcept {
-  if (duty_ == JointTask::velocity) return mode_of(CommandInterface::velocity);
-  if (duty_ == JointTask::effort) return mode_of(CommandInterface::effort);
+  if (task_ == JointTask::velocity) return mode_of(CommandInterface::velocity);
+  if (task_ == JointTask::effort) return mode_of(CommandInterface::effort);
   return mode_of(CommandInterface::position);
 }
 
-/// @return the value that the drive commands in this tick, from which a line of this duty starts.
+/// @return the value that the drive commands in this tick, from which a line of this task starts.
 double JointPlan::value_of_drive(const JointCycle& now) const noexcept {
-  return duty_ == JointTask::effort ? now.axis.status.torque_demand * now.limits.effort_per_mille
+  return task_ == JointTask::effort ? now.axis.status.torque_demand * now.limits.effort_per_mille
                                     : now.demand().velocity;
 }
 
 bool JointPlan::moves_by_itself(const JointCycle& now) const noexcept {
-  if (duty_ == JointTask::hold || duty_ == JointTask::track || duty_ == JointTask::trajectory)
+  if (task_ == JointTask::hold || task_ == JointTask::track || task_ == JointTask::trajectory)
     return false;
-  if (duty_ == JointTask::effort || is_entering() || streams()) return true;
+  if (task_ == JointTask::effort || is_entering() || streams()) return true;
   // The last velocity is 0, but earlier ones may still be in flight.
   const bool is_under_way = ends_at_ != 0 && now.tick <= ends_at_;
   return is_under_way || now.axis.status.velocity_demand_value != 0;
 }
 
 JointMotion JointPlan::motion(const JointCycle& now, std::uint64_t tick) const {
-  switch (duty_) {
+  switch (task_) {
     case JointTask::hold:
       return {position_, 0.0, 0.0};
     case JointTask::track:
@@ -97,20 +97,20 @@ double JointPlan::time_of_line(const JointCycle& now, double passed, bool begins
 bool JointPlan::go_to(const JointCycle& now, double position) {
   const double passed = note_command(now);
   if (moves_by_itself(now)) {
-    if (duty_ != JointTask::settle) enter(JointTask::settle);
+    if (task_ != JointTask::settle) enter(JointTask::settle);
     value_ = position;
     return false;
   }
-  if (duty_ == JointTask::hold && position_ == position) return false;  // it is already there
-  const bool begins = duty_ != JointTask::track;
+  if (task_ == JointTask::hold && position_ == position) return false;  // it is already there
+  const bool begins = task_ != JointTask::track;
   if (begins) track(motion(now, now.tick), position);
   tracker().go_to(position, time_of_line(now, passed, begins));
   return begins;
 }
 
-bool JointPlan::run(const JointCycle& now, JointTask duty, double value) {
+bool JointPlan::run(const JointCycle& now, JointTask task, double value) {
   const double passed = note_command(now);
-  if (duty_ != duty) enter(duty);
+  if (task_ != task) enter(task);
   const double over = time_of_line(now, passed, is_entering());
   // If the value is the same as before, its line continues. If the drive should show it by now but
   // does not, it is written again: a limit switch may have held the drive back.
@@ -121,8 +121,8 @@ bool JointPlan::run(const JointCycle& now, JointTask duty, double value) {
 }
 
 /// A drive drops set-points for a mode that it is not in yet, so the first one waits.
-void JointPlan::enter(JointTask duty) {
-  duty_ = duty;
+void JointPlan::enter(JointTask task) {
+  task_ = task;
   tracker_.reset();
   path_.reset();
   line_.reset();
@@ -151,7 +151,7 @@ void JointPlan::lead_from_drive(const JointCycle& now) {
 void JointPlan::follow(const JointCycle& now, std::shared_ptr<const JointPath> path,
                        std::uint64_t begin, std::uint64_t number) {
   ensure(path != nullptr, "a trajectory has the path of its joint");
-  duty_ = JointTask::trajectory;
+  task_ = JointTask::trajectory;
   tracker_.reset();
   line_.reset();
   path_ = std::move(path);
@@ -163,13 +163,13 @@ void JointPlan::follow(const JointCycle& now, std::shared_ptr<const JointPath> p
 void JointPlan::brake(const JointCycle& now, std::uint64_t tick) {
   tracker_.emplace(motion(now, tick));
   tracker_->stop(now.limits);
-  duty_ = JointTask::track;
+  task_ = JointTask::track;
   path_.reset();
 }
 
 bool JointPlan::brake_free() {
   if (!runs_freely()) return false;
-  if (duty_ == JointTask::effort) enter(JointTask::velocity);
+  if (task_ == JointTask::effort) enter(JointTask::velocity);
   const double last = std::exchange(value_, 0.0);
   if (!is_entering()) lead_to_value(last, 0.0);
   return true;
@@ -189,17 +189,17 @@ void JointPlan::track(const JointMotion& start, double goal) {
   tracker_.emplace(start);
   tracker_->go_to(goal, kFirstInterval);
   line_.reset();
-  duty_ = JointTask::track;
+  task_ = JointTask::track;
 }
 
 // ---- each cycle ------------------------------------------------------------------------------
 
 bool JointPlan::brake_without_command(const JointCycle& now, double timeout) {
   const bool is_fed =
-      duty_ == JointTask::track || duty_ == JointTask::velocity || duty_ == JointTask::effort;
+      task_ == JointTask::track || task_ == JointTask::velocity || task_ == JointTask::effort;
   if (!is_fed || is_lost_ || now.seconds(commanded_at_, now.tick) <= timeout) return false;
   is_lost_ = true;
-  if (duty_ != JointTask::track) return brake_free();
+  if (task_ != JointTask::track) return brake_free();
   tracker().stop(now.limits);
   return true;
 }
@@ -207,11 +207,11 @@ bool JointPlan::brake_without_command(const JointCycle& now, double timeout) {
 std::uint64_t JointPlan::start_again(const JointCycle& now) {
   const JointMotion rest{now.demand().position, 0.0, 0.0};  // the drive holds
   const std::uint64_t ended = trajectory();
-  if (duty_ == JointTask::track) track(rest, tracker().goal());
+  if (task_ == JointTask::track) track(rest, tracker().goal());
   if (is_free()) lead_from_drive(now);
   if (ended == 0) return 0;
   *this = {};
-  duty_ = JointTask::hold;
+  task_ = JointTask::hold;
   position_ = rest.position;
   return ended;
 }
@@ -219,9 +219,9 @@ std::uint64_t JointPlan::start_again(const JointCycle& now) {
 /// @return whether the drive follows the last set-point.
 bool JointPlan::is_at_end(const JointCycle& now) const noexcept {
   const AxisStatus& shown = now.axis.status;
-  if (duty_ == JointTask::velocity) return shown.velocity_demand_value == now.user_units(value_);
+  if (task_ == JointTask::velocity) return shown.velocity_demand_value == now.user_units(value_);
   // 6074h is the torque commanded by the drive, rounded.
-  if (duty_ == JointTask::effort)
+  if (task_ == JointTask::effort)
     return std::abs(shown.torque_demand - per_mille(now, value_)) <= 1;
   return shown.position_demand_value == now.user_units(position_);
 }
@@ -278,7 +278,7 @@ client::SetPoint JointPlan::next_point(const JointCycle& now, std::uint64_t tick
       now.axis.mode() == mode() ? client::SetPoint{.axis = axis} : begin_stream(axis, mode());
   const bool ends = is_free() ? put_value(now, point) : put_position(now, tick, point);
   if (ends) {
-    if (!is_free()) duty_ = JointTask::hold;
+    if (!is_free()) task_ = JointTask::hold;
     ends_at_ = tick;
     tracker_.reset();
     path_.reset();
@@ -290,7 +290,7 @@ client::SetPoint JointPlan::next_point(const JointCycle& now, std::uint64_t tick
 /// @return whether this is the last position of the motion
 bool JointPlan::put_position(const JointCycle& now, std::uint64_t tick, client::SetPoint& point) {
   bool ends = false;
-  if (duty_ == JointTask::track) {
+  if (task_ == JointTask::track) {
     position_ = tracker().step(now.period, now.limits).position;
     ends = tracker().is_at_rest();
   } else {
@@ -306,7 +306,7 @@ bool JointPlan::put_position(const JointCycle& now, std::uint64_t tick, client::
 bool JointPlan::put_value(const JointCycle& now, client::SetPoint& point) {
   const JointLimits& limits = now.limits;
   // The drive's own profiles also treat a ramp of 0 as 1, so that a joint can always be stopped.
-  if (duty_ == JointTask::velocity) {
+  if (task_ == JointTask::velocity) {
     const double ramp = std::max(limits.ramp, now.joint.si_per_user_unit);
     point.velocity = now.user_units(line().step(now.period, ramp));
   } else {

@@ -27,7 +27,7 @@ enum class JointTask : std::uint8_t {
 };
 
 /// @return such as "trajectory".
-[[nodiscard]] std::string_view to_string(JointTask duty) noexcept;
+[[nodiscard]] std::string_view to_string(JointTask task) noexcept;
 
 /// The plan of one joint for the coming ticks: commands change it, and each tick takes a set-point
 /// from it. The caller checks whether a command is permitted. For one thread.
@@ -41,26 +41,26 @@ class JointPlan {
     given_up,  ///< the set-point was sent too often
   };
 
-  [[nodiscard]] JointTask duty() const noexcept { return duty_; }
+  [[nodiscard]] JointTask task() const noexcept { return task_; }
 
   /// @return whether every tick needs a set-point.
   [[nodiscard]] bool streams() const noexcept {
-    return duty_ == JointTask::track || duty_ == JointTask::trajectory || line_.has_value();
+    return task_ == JointTask::track || task_ == JointTask::trajectory || line_.has_value();
   }
 
-  /// @return whether it waits for the drive to enter the mode of its duty.
+  /// @return whether it waits for the drive to enter the mode of its task.
   [[nodiscard]] bool is_entering() const noexcept {
-    return duty_ == JointTask::settle || (is_free() && !is_entered_);
+    return task_ == JointTask::settle || (is_free() && !is_entered_);
   }
 
   /// @return whether it is moved by velocity or effort.
   [[nodiscard]] bool runs_freely() const noexcept {
-    return duty_ == JointTask::effort || (duty_ == JointTask::velocity && value_ != 0.0);
+    return task_ == JointTask::effort || (task_ == JointTask::velocity && value_ != 0.0);
   }
 
   /// @return the number of the trajectory that the joint follows, 0 = none.
   [[nodiscard]] std::uint64_t trajectory() const noexcept {
-    return duty_ == JointTask::trajectory ? trajectory_ : 0;
+    return task_ == JointTask::trajectory ? trajectory_ : 0;
   }
 
   /// @return whether the drive moves, or may move, for another reason than a stream of positions.
@@ -78,7 +78,7 @@ class JointPlan {
   /// Runs with a velocity or an effort; a drive in another mode comes to rest and changes its mode
   /// first.
   /// @return whether its set-points start with this command
-  bool run(const JointCycle& now, JointTask duty, double value);
+  bool run(const JointCycle& now, JointTask task, double value);
 
   /// @param begin tick of the path's time 0
   void follow(const JointCycle& now, std::shared_ptr<const JointPath> path, std::uint64_t begin,
@@ -128,7 +128,7 @@ class JointPlan {
 
  private:
   [[nodiscard]] bool is_free() const noexcept {
-    return duty_ == JointTask::velocity || duty_ == JointTask::effort;
+    return task_ == JointTask::velocity || task_ == JointTask::effort;
   }
 
   [[nodiscard]] OperatingMode mode() const noexcept;
@@ -138,15 +138,15 @@ class JointPlan {
   [[nodiscard]] ValueLine& line();
   double note_command(const JointCycle& now);
   double time_of_line(const JointCycle& now, double passed, bool begins);
-  void enter(JointTask duty);
+  void enter(JointTask task);
   bool lead_to_value(double last, double over);
   void lead_from_drive(const JointCycle& now);
   void track(const JointMotion& start, double goal);
   bool put_position(const JointCycle& now, std::uint64_t tick, client::SetPoint& point);
   bool put_value(const JointCycle& now, client::SetPoint& point);
 
-  JointTask duty_ = JointTask::none;
-  double position_ = 0.0;  ///< duty hold [rad or m]
+  JointTask task_ = JointTask::none;
+  double position_ = 0.0;  ///< task hold [rad or m]
   double value_ = 0.0;     ///< velocity and effort [SI]; settle: the position to go to
   std::optional<JointTracker> tracker_;
   std::optional<ValueLine> line_;  ///< velocity and effort, on the way to `value_`

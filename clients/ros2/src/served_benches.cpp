@@ -113,7 +113,7 @@ Board::Views ServedBenches::views() const {
                                     .state = bench.motion->state(),
                                     .limits = bench.bench->seen().limits,
                                     .names = bench.bench->seen().names,
-                                    .duties = bench.motion->duties(),
+                                    .tasks = bench.motion->tasks(),
                                     .is_enabled = bench.motion->power().wants_enabled(),
                                     .session = session_});
   }

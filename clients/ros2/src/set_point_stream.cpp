@@ -92,7 +92,7 @@ Frames SetPointStream::modes(const BenchCycle& now) {
 
 Frames SetPointStream::points(const BenchCycle& now) {
   const bool has_trajectory =
-      std::ranges::count(plans_, JointTask::trajectory, &JointPlan::duty) > 0;
+      std::ranges::count(plans_, JointTask::trajectory, &JointPlan::task) > 0;
   const std::uint64_t last = now.tick() + lead_.window(has_trajectory);
   Frames frames;
   while (is_running() && sent_until_ < last) {

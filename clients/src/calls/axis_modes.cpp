@@ -60,13 +60,13 @@ void add_settings(msg::AxisCommand& command, std::span<const Setting> settings) 
 class EndlessMotion {
  public:
   EndlessMotion(SessionCore& core, const AxesCall& call)
-      : holdings_(core.holdings),
+      : held_axes_(core.held_axes),
         key_(call.axes().parts().front().target.key),
         axis_(call.snapshot().id.axis) {}
 
   /// Sends `round` and observes the tick in which it takes effect.
   Outcome put_in_force(AxesCall& call, Round round) {
-    const bool was_running = !rests(call.snapshot()) || holdings_.is_running(key_, axis_);
+    const bool was_running = !rests(call.snapshot()) || held_axes_.is_running(key_, axis_);
     round.is_endless = true;
     Outcome done = call.put_in_force({&round, 1});
     if (done.kind() == OutcomeKind::refused && !was_running) settle();  // it is at rest
@@ -74,10 +74,10 @@ class EndlessMotion {
   }
 
   /// The axis was seen to stop, or the program knows that it runs on after the call.
-  void settle() { holdings_.forget_running(key_, {&axis_, 1}); }
+  void settle() { held_axes_.forget_running(key_, {&axis_, 1}); }
 
  private:
-  HeldAxes& holdings_;
+  HeldAxes& held_axes_;
   BenchKey key_;
   std::uint16_t axis_;
 };

@@ -247,7 +247,7 @@ Outcome ObservedAxes::note(BenchPart& part, Result<Observation> sample) const {
   if (!sample) return note_lost(part, sample.outcome());
   part.seen = std::move(*sample);
   part.skipped += part.seen.skipped;
-  core_->holdings.note_seen(part.target.key, part.seen.axes);
+  core_->held_axes.note_seen(part.target.key, part.seen.axes);
   return {};
 }
 

@@ -64,11 +64,11 @@ void fill_samples(const RequestAnswer& answer, std::size_t first,
 
 }  // namespace
 
-BenchClocks::BenchClocks(std::uint64_t session, Exchange& exchange, HeldAxes& holdings,
+BenchClocks::BenchClocks(std::uint64_t session, Exchange& exchange, HeldAxes& held_axes,
                          Discovery& discovery, const Wakeup& wakeup, wire::Participant& participant)
     : session_(session),
       exchange_(exchange),
-      holdings_(holdings),
+      held_axes_(held_axes),
       discovery_(discovery),
       wakeup_(wakeup),
       participant_(participant) {}
@@ -176,7 +176,7 @@ Result<PendingStep> BenchClocks::begin_step_to(const Target& target, std::uint64
   }
   // The step waits for the commands that were sent before it.
   const auto number = exchange_.send(
-      target, ask::step(step.ticks, std::move(shown), holdings_.last_sequence(target.key)));
+      target, ask::step(step.ticks, std::move(shown), held_axes_.last_sequence(target.key)));
   if (!number) return number.outcome();
   step.request = *number;
   return step;
@@ -270,7 +270,7 @@ Result<RequestAnswer> BenchClocks::step_once(const Target& target, msg::Request 
   if (const auto grant = grant_of(target.key)) {
     return step_as_stepper(target, *grant, request, patience, silence);
   }
-  request.last_sequence = holdings_.last_sequence(target.key);
+  request.last_sequence = held_axes_.last_sequence(target.key);
   return exchange_.request(target, std::move(request), step_of(target), silence);
 }
 

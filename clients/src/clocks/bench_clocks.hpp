@@ -79,7 +79,7 @@ using StepLock = std::unique_lock<TurnMutex>;
 /// if several threads step at the same time, the steps run one after the other.
 class BenchClocks {
  public:
-  BenchClocks(std::uint64_t session, Exchange& exchange, HeldAxes& holdings, Discovery& discovery,
+  BenchClocks(std::uint64_t session, Exchange& exchange, HeldAxes& held_axes, Discovery& discovery,
               const Wakeup& wakeup, wire::Participant& participant);
 
   Result<std::uint64_t> set_rate(const Target& target, double rate);
@@ -149,7 +149,7 @@ class BenchClocks {
 
   const std::uint64_t session_;
   Exchange& exchange_;
-  HeldAxes& holdings_;
+  HeldAxes& held_axes_;
   Discovery& discovery_;
   const Wakeup& wakeup_;
   wire::Participant& participant_;       ///< knows which threads have joined clocks

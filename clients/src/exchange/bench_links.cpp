@@ -41,12 +41,12 @@ std::unique_ptr<wire::Publication<Message>> publication_if_permitted(
 }  // namespace
 
 BenchLinks::BenchLinks(wire::Participant& participant, std::uint64_t session, Discovery& discovery,
-                       HeldAxes& holdings, CommandHistory& history, Wakeup& wakeup,
+                       HeldAxes& held_axes, CommandHistory& history, Wakeup& wakeup,
                        ObserverFailure& failure)
     : session_(session),
       participant_(participant),
       discovery_(discovery),
-      holdings_(holdings),
+      held_axes_(held_axes),
       history_(history),
       wakeup_(wakeup),
       failure_(failure),
@@ -93,7 +93,7 @@ void BenchLinks::on_command_reply(const msg::CommandReply& message, const wire::
   const BenchKey key{message.bench, message.incarnation};
   discovery_.note_sender(key, source);
   // First: the call that receives the answer must find any loss of control that the answer reports.
-  holdings_.note_answer(message);
+  held_axes_.note_answer(message);
   history_.note_answer(message);
   if (unanswered_.frames.answer({key, message.sequence_number}, message)) {
     wakeup_.notify();
@@ -257,12 +257,12 @@ bool BenchLinks::send(const OpenLink& link, const msg::CommandFrame& frame) {
 bool BenchLinks::send_keep_alive(const BenchKey& key) {
   if (is_closed_) return true;
   // Busy: a frame or a request is being sent, which serves as a keep-alive.
-  const auto sending = holdings_.try_lock_sending(key.number);
+  const auto sending = held_axes_.try_lock_sending(key.number);
   if (!sending) return true;
   const OpenLink link = try_open(key);
   if (!link.sending) return true;
   if (!link.is_matched) return false;
-  const auto frame = holdings_.next_keep_alive(key);
+  const auto frame = held_axes_.next_keep_alive(key);
   if (frame) (void)command_publication_->write(*frame);  // if refused, the next follows in 25 ms
   return true;
 }

@@ -177,7 +177,8 @@ struct OpenLink {
 class BenchLinks {
  public:
   BenchLinks(wire::Participant& participant, std::uint64_t session, Discovery& discovery,
-             HeldAxes& holdings, CommandHistory& history, Wakeup& wakeup, ObserverFailure& failure);
+             HeldAxes& held_axes, CommandHistory& history, Wakeup& wakeup,
+             ObserverFailure& failure);
 
   /// Whether the permissions of this session allow requests and commands to benches.
   [[nodiscard]] bool may_command() const noexcept {
@@ -296,7 +297,7 @@ class BenchLinks {
   std::atomic<bool> is_closed_ = false;
   wire::Participant& participant_;
   Discovery& discovery_;
-  HeldAxes& holdings_;
+  HeldAxes& held_axes_;
   CommandHistory& history_;
   UnansweredMessages unanswered_;
   Wakeup& wakeup_;

@@ -50,11 +50,11 @@ constexpr ObjectAddress kControlword = kObjectRows["ds402_controlword"_object].a
 
 }  // namespace
 
-Control::Control(KeepAlive keep_alive, Exchange& exchange, HeldAxes& holdings,
+Control::Control(KeepAlive keep_alive, Exchange& exchange, HeldAxes& held_axes,
                  CommandHistory& history, BenchLinks& links, SessionNames& names)
     : keep_alive_(keep_alive),
       exchange_(exchange),
-      holdings_(holdings),
+      held_axes_(held_axes),
       history_(history),
       names_(names),
       links_(links) {}
@@ -75,29 +75,29 @@ Result<RequestAnswer> Control::carry_out(const Target& target, msg::Request requ
   const msg::Request sent = request;
   auto reply = exchange_.request(target, std::move(request), what);
   if (reply) {
-    history_.note_request(target.key, sent, *reply, holdings_.last_sequence(target.key));
+    history_.note_request(target.key, sent, *reply, held_axes_.last_sequence(target.key));
   }
   return reply;
 }
 
 Result<RequestAnswer> Control::exchange(const Target& target, msg::Request request,
                                         std::string_view what) {
-  const auto sending = holdings_.lock_sending(target.key.number);
+  const auto sending = held_axes_.lock_sending(target.key.number);
   return carry_out(target, std::move(request), what);
 }
 
 void Control::note_acquired(const Target& target, std::span<const std::uint16_t> axes,
                             const msg::Reply& reply) {
   if (reply.epoch == 0) return;
-  if (holdings_.note_acquired(target.key, axes, reply.epoch, !target.steps())) {
-    history_.note_gained(target.key, axes, holdings_.last_sequence(target.key));
+  if (held_axes_.note_acquired(target.key, axes, reply.epoch, !target.steps())) {
+    history_.note_gained(target.key, axes, held_axes_.last_sequence(target.key));
   }
   // In lock-step the steps themselves keep control.
   if (keep_alive_ == KeepAlive::own_thread && !target.steps()) start_keep_alive();
 }
 
 bool Control::holds(const Target& target, std::span<const std::uint16_t> axes) {
-  return holdings_.holds(target.key, axes);
+  return held_axes_.holds(target.key, axes);
 }
 
 Outcome Control::acquire(const Target& target, std::span<const std::uint16_t> axes, bool by_force) {
@@ -124,7 +124,7 @@ Outcome Control::acquire_part(const Target& target, std::span<const std::uint16_
   {
     // Held until the new epoch is recorded: a frame of another thread with the old one would be
     // refused.
-    const auto sending = holdings_.lock_sending(target.key.number);
+    const auto sending = held_axes_.lock_sending(target.key.number);
     const auto reply = exchange_.request(target, std::move(request), what);
     if (!reply) return reply.outcome();
     note_acquired(target, axes, *reply);
@@ -141,7 +141,7 @@ Result<RequestAnswer> Control::write(const Target& target, msg::Request request,
   // Storing waits for a disk and must not delay the keep-alives.
   if (!commands) return exchange_.request(target, std::move(request), what);
   const std::uint16_t axis = request.objects.front().axis;
-  auto sending = holdings_.lock_sending(target.key.number);
+  auto sending = held_axes_.lock_sending(target.key.number);
   auto reply = carry_out(target, std::move(request), what);
   const bool is_taken =
       reply && reply->objects.front().abort_code == msg::Reason::none && reply->epoch != 0;
@@ -160,14 +160,14 @@ Result<std::uint64_t> Control::stop(const Target& target, std::span<const std::u
     }
     requests.back().objects.push_back(ask::object(axis, kControlword, word));
   }
-  const auto sending = holdings_.lock_sending(target.key.number);
+  const auto sending = held_axes_.lock_sending(target.key.number);
   const auto replies = exchange_.send_all(target, requests)
                            .await("stop of " + (axes.size() == 1 ? name_of(target, axes.front())
                                                                  : "axes of " + name_of(target)));
   if (!replies) return replies.outcome();
   for (std::size_t i = 0; i < replies->size(); ++i) {
     history_.note_request(target.key, requests[i], (*replies)[i],
-                          holdings_.last_sequence(target.key));
+                          held_axes_.last_sequence(target.key));
   }
   std::uint64_t tick = 0;
   for (const msg::Reply& reply : *replies) {
@@ -186,14 +186,14 @@ Result<std::uint64_t> Control::stop(const Target& target, std::span<const std::u
 
 Outcome Control::release() {
   Outcome result;
-  for (const ReleasedAxes& given : holdings_.drop_all()) {
+  for (const ReleasedAxes& given : held_axes_.drop_all()) {
     if (Outcome released = release(given); !released) result = std::move(released);
   }
   return result;
 }
 
 Outcome Control::release(std::uint32_t bench) {
-  const auto given = holdings_.drop(bench);
+  const auto given = held_axes_.drop(bench);
   return given ? release(*given) : Outcome();
 }
 
@@ -215,7 +215,7 @@ Outcome Control::release(const ReleasedAxes& given) {
 
 /// Also works after an interrupt, and for a service that may be gone: it uses its own patience.
 Outcome Control::release(const Target& target, std::span<const std::vector<std::uint16_t>> parts) {
-  const auto sending = holdings_.lock_sending(target.key.number);
+  const auto sending = held_axes_.lock_sending(target.key.number);
   std::vector<std::uint64_t> sent;
   Outcome result;
   for (const std::vector<std::uint16_t>& axes : parts) {
@@ -250,7 +250,7 @@ void Control::start_keep_alive() {
 /// @return wall time until the next keep-alives.
 milliseconds Control::send_keep_alive() {
   bool are_all_reached = true;
-  for (const BenchKey& key : holdings_.to_keep_alive()) {
+  for (const BenchKey& key : held_axes_.to_keep_alive()) {
     are_all_reached &= links_.send_keep_alive(key);
   }
   return are_all_reached ? kKeepAlivePeriod : kRetry;

@@ -23,7 +23,7 @@ namespace vdrive::client {
 /// Acquires axes, keeps them and releases them. Thread-safe.
 class Control {
  public:
-  Control(KeepAlive keep_alive, Exchange& exchange, HeldAxes& holdings, CommandHistory& history,
+  Control(KeepAlive keep_alive, Exchange& exchange, HeldAxes& held_axes, CommandHistory& history,
           BenchLinks& links, SessionNames& names);
 
   ~Control();
@@ -74,7 +74,7 @@ class Control {
 
   const KeepAlive keep_alive_;
   Exchange& exchange_;
-  HeldAxes& holdings_;
+  HeldAxes& held_axes_;
   CommandHistory& history_;
   SessionNames& names_;
   BenchLinks& links_;

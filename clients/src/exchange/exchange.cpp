@@ -91,7 +91,7 @@ Result<std::vector<RequestAnswer>> SentRequests::await(std::string_view what) {
 
 Outcome Exchange::send(SentFrames& sent, std::span<const FrameContent> frames) {
   if (!links_.may_command()) return not_permitted(sent.target);
-  const auto sending = holdings_.lock_sending(sent.target.key.number);
+  const auto sending = held_axes_.lock_sending(sent.target.key.number);
   for (const FrameContent& content : frames) {
     if (Outcome outcome = send_one(sent, content); !outcome) return outcome;
   }
@@ -114,9 +114,9 @@ Outcome Exchange::send_one(SentFrames& sent, const FrameContent& content) {
 }
 
 msg::CommandFrame Exchange::next_frame(const Target& target, const FrameContent& content) {
-  msg::CommandFrame frame = holdings_.next_frame(target.key);
+  msg::CommandFrame frame = held_axes_.next_frame(target.key);
   if (!content.moved.empty()) {
-    holdings_.note_running(target.key, content.moved, frame.sequence_number);
+    held_axes_.note_running(target.key, content.moved, frame.sequence_number);
   }
   frame.flags = content.flags;
   frame.apply_at_tick = content.apply_at_tick;
@@ -128,7 +128,7 @@ msg::CommandFrame Exchange::next_frame(const Target& target, const FrameContent&
 
 Outcome Exchange::send_unawaited(const Target& target, std::span<const FrameContent> frames) {
   if (!links_.may_command()) return not_permitted(target);
-  const auto sending = holdings_.lock_sending(target.key.number);
+  const auto sending = held_axes_.lock_sending(target.key.number);
   const auto link = links_.open(target, "commands");
   if (!link) return link.outcome();
   for (const FrameContent& content : frames) {

@@ -65,8 +65,8 @@ struct Applied {
 /// Sends requests and command frames to benches, and waits for their answers. Thread-safe.
 class Exchange {
  public:
-  Exchange(std::uint64_t session, BenchLinks& links, HeldAxes& holdings, CommandHistory& history)
-      : session_(session), links_(links), holdings_(holdings), history_(history) {}
+  Exchange(std::uint64_t session, BenchLinks& links, HeldAxes& held_axes, CommandHistory& history)
+      : session_(session), links_(links), held_axes_(held_axes), history_(history) {}
 
   // ---- requests
 
@@ -125,7 +125,7 @@ class Exchange {
 
   const std::uint64_t session_;
   BenchLinks& links_;
-  HeldAxes& holdings_;
+  HeldAxes& held_axes_;
   CommandHistory& history_;
   std::atomic<std::uint64_t> last_number_ = 0;
 };

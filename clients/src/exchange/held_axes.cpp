@@ -23,7 +23,7 @@ std::unique_lock<std::mutex> HeldAxes::try_lock_sending(std::uint32_t bench) {
 
 /// Called with the mutex held. Another run of the service starts empty.
 HeldAxes::Holding& HeldAxes::holding(const BenchKey& key) {
-  Holding& holding = holdings_[key.number];
+  Holding& holding = held_axes_[key.number];
   if (holding.key != key) {
     holding = {};
     holding.key = key;
@@ -51,8 +51,8 @@ void HeldAxes::note_answer(const msg::CommandReply& reply) {
   if (!is_lost) return;
   const BenchKey key{reply.bench, reply.incarnation};
   const std::scoped_lock lock(mutex_);
-  const auto held = holdings_.find(key.number);
-  if (held == holdings_.end() || held->second.key != key) return;
+  const auto held = held_axes_.find(key.number);
+  if (held == held_axes_.end() || held->second.key != key) return;
   if (reply.sequence_number >= held->second.epoch_since) held->second.axes.clear();
 }
 
@@ -86,8 +86,8 @@ void HeldAxes::note_seen(const BenchKey& key, std::span<const AxisSnapshot> axes
   // In the tick of the command an axis may still show the standstill of the previous mode.
   constexpr std::uint64_t kModeChange = 1;
   const std::scoped_lock lock(mutex_);
-  const auto held = holdings_.find(key.number);
-  if (held == holdings_.end() || held->second.key != key || held->second.running.empty()) return;
+  const auto held = held_axes_.find(key.number);
+  if (held == held_axes_.end() || held->second.key != key || held->second.running.empty()) return;
   for (const AxisSnapshot& axis : axes) {
     const auto found = held->second.running.find(axis.id.axis);
     if (found == held->second.running.end()) continue;
@@ -114,7 +114,7 @@ std::optional<ReleasedAxes> HeldAxes::give_back(Holding& held) {
 std::vector<ReleasedAxes> HeldAxes::drop_all() {
   const std::scoped_lock lock(mutex_);
   std::vector<ReleasedAxes> dropped;
-  for (auto& [bench, held] : holdings_) {
+  for (auto& [bench, held] : held_axes_) {
     if (auto given = give_back(held)) dropped.push_back(std::move(*given));
   }
   return dropped;
@@ -122,14 +122,14 @@ std::vector<ReleasedAxes> HeldAxes::drop_all() {
 
 std::optional<ReleasedAxes> HeldAxes::drop(std::uint32_t bench) {
   const std::scoped_lock lock(mutex_);
-  const auto held = holdings_.find(bench);
-  return held == holdings_.end() ? std::nullopt : give_back(held->second);
+  const auto held = held_axes_.find(bench);
+  return held == held_axes_.end() ? std::nullopt : give_back(held->second);
 }
 
 std::vector<BenchKey> HeldAxes::to_keep_alive() const {
   const std::scoped_lock lock(mutex_);
   std::vector<BenchKey> keys;
-  for (const auto& [bench, held] : holdings_) {
+  for (const auto& [bench, held] : held_axes_) {
     if (held.lives_by_wall_clock && !held.axes.empty()) keys.push_back(held.key);
   }
   return keys;
@@ -152,7 +152,7 @@ msg::CommandFrame HeldAxes::next_frame(const BenchKey& key) {
 
 std::optional<msg::CommandFrame> HeldAxes::next_keep_alive(const BenchKey& key) {
   const std::scoped_lock lock(mutex_);
-  Holding& held = holdings_.at(key.number);
+  Holding& held = held_axes_.at(key.number);
   if (held.key != key) return std::nullopt;
   return frame_of(held);
 }

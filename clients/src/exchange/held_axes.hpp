@@ -98,7 +98,7 @@ class HeldAxes {
     std::optional<std::uint64_t> since{};
   };
 
-  /// The holdings of this session in one run of a service.
+  /// The held axes of this session in one run of a service.
   struct Holding {
     BenchKey key;
     bool lives_by_wall_clock = false;
@@ -116,7 +116,7 @@ class HeldAxes {
 
   const std::uint64_t session_;
   mutable std::mutex mutex_;  ///< guards the members below
-  std::map<std::uint32_t, Holding> holdings_;
+  std::map<std::uint32_t, Holding> held_axes_;
   std::map<std::uint32_t, std::mutex> send_mutexes_;  ///< a map: elements must not move
 };
 

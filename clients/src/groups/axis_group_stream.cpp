@@ -213,7 +213,7 @@ Outcome AxisGroup::stop_streaming(const GroupCallOptions& options) {
   });
   if (seen && to_the_end) {  // an axis that was moving braked before it changed its mode
     for (const BenchPart& part : call.axes().parts()) {
-      state_->core->holdings.forget_running(part.target.key, part.bench->axes);
+      state_->core->held_axes.forget_running(part.target.key, part.bench->axes);
     }
   }
   // A late position was not executed: the axes are not at rest where the caller expects them.

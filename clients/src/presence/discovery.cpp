@@ -108,7 +108,7 @@ Outcome Discovery::check_process() const {
 
 template <typename Condition>
 void Discovery::search(std::optional<std::uint32_t> number, const Condition& condition,
-                       const SearchCompletion* settling) {
+                       const SearchCompletion* completion) {
   const auto begin = Clock::now();
   SearchTime time(begin, options_.find_timeout);
   auto announce_at = begin + kAnnounceAgain;
@@ -130,7 +130,7 @@ void Discovery::search(std::optional<std::uint32_t> number, const Condition& con
       continue;
     }
     auto planned = std::min(end, now + kSearchPeriod);
-    if (settling != nullptr) planned = std::min(planned, settling->next_end(now));
+    if (completion != nullptr) planned = std::min(planned, completion->next_end(now));
     wakeup_.wait_until(changes, planned);
     time.note_wait(planned, Clock::now());
   }
@@ -160,14 +160,14 @@ SearchFindings Discovery::look(std::optional<std::uint32_t> number) const {
 
 std::vector<PresentBench> Discovery::find_benches() {
   if (origin_.is_inherited()) return {};
-  SearchCompletion settling(Clock::now());
+  SearchCompletion completion(Clock::now());
   std::optional<std::vector<PresentBench>> found;
   const auto has_found = [&](const SearchFindings& findings) {
-    if (!settling.has_ended(findings, Clock::now())) return false;
+    if (!completion.has_ended(findings, Clock::now())) return false;
     found = present();
     return true;
   };
-  search(options_.bench, has_found, &settling);
+  search(options_.bench, has_found, &completion);
   return found ? std::move(*found) : present();
 }
 
@@ -305,15 +305,15 @@ Result<AxisInfo> Discovery::find_on_bench(std::uint32_t bench, std::string_view 
 /// Ends when the bench with the name is found and every bench met has described its axes: if two
 /// axes share the name, neither may be commanded by accident.
 Result<AxisInfo> Discovery::find_name(std::string_view name) {
-  SearchCompletion settling(Clock::now());
+  SearchCompletion completion(Clock::now());
   std::vector<PresentBench> benches;
   std::vector<AxisInfo> matches;
   const auto has_found = [&](const SearchFindings& findings) {
     benches = present();
     matches = axes_named(name, benches);
-    return settling.has_ended(findings, Clock::now()) || (!matches.empty() && !expects_more());
+    return completion.has_ended(findings, Clock::now()) || (!matches.empty() && !expects_more());
   };
-  search(options_.bench, has_found, &settling);
+  search(options_.bench, has_found, &completion);
   if (matches.size() == 1) return std::move(matches.front());
   if (matches.empty()) {
     std::vector<std::string> names;

@@ -191,9 +191,9 @@ class Discovery {
   /// is up.
   /// @param number if the search is for one bench only
   template <typename Condition>
-  /// @param settling the search also looks again at its next_end(); nullptr = none
+  /// @param completion the search also looks again at its next_end(); nullptr = none
   void search(std::optional<std::uint32_t> number, const Condition& condition,
-              const SearchCompletion* settling = nullptr);
+              const SearchCompletion* completion = nullptr);
   /// Called with the lock held.
   /// @return why a silent bench is lost.
   [[nodiscard]] Outcome lost_in_silence(const Target& target, Clock::time_point now,

@@ -19,7 +19,7 @@ struct Follower::State {
   Lateness lateness;
 
   void note_seen(const Observation& sample) {
-    core->holdings.note_seen(target.key, sample.axes);
+    core->held_axes.note_seen(target.key, sample.axes);
     ++lateness.samples;
     if (feed) note_lateness(sample.tick);
   }

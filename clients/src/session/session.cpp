@@ -306,7 +306,7 @@ Result<Observation> Session::observe(std::span<const AxisId> axes) {
   const auto target = core_->links.connect(axes.front().bench);
   if (!target) return target.outcome();
   auto seen = core_->observer.observe(*target, *numbers);
-  if (seen) core_->holdings.note_seen(target->key, seen->axes);
+  if (seen) core_->held_axes.note_seen(target->key, seen->axes);
   return seen;
 }
 

@@ -48,7 +48,7 @@ class SessionCore : public std::enable_shared_from_this<SessionCore> {
   Wakeup wakeup;
   ObserverFailure failure{wakeup};
   ReportThreads reports;
-  HeldAxes holdings;
+  HeldAxes held_axes;
   CommandHistory history;
   std::unique_ptr<wire::Participant> participant;
   Discovery discovery;

@@ -140,13 +140,13 @@ ExitCode unreadable(const JudgeCommand& command, const std::string& reason,
   return ExitCode::unreadable;
 }
 
-void print_verdict(const judge::Verdict& verdict, const judge::ReportLabels& face,
+void print_verdict(const judge::Verdict& verdict, const judge::ReportLabels& labels,
                    const Program& program) {
   if (program.options.json) {
-    for (const Json& object : judge_json(verdict, face)) program.terminal.print(to_line(object));
+    for (const Json& object : judge_json(verdict, labels)) program.terminal.print(to_line(object));
     return;
   }
-  std::string text = judge::text_report(verdict, face);
+  std::string text = judge::text_report(verdict, labels);
   while (text.ends_with('\n')) text.pop_back();
   program.terminal.print(text);
 }
@@ -161,20 +161,21 @@ class ReportFiles {
         html_("--html", command.html) {}
 
   /// @return why one could not be written, or nothing.
-  std::optional<std::string> write(const judge::Verdict& verdict, const judge::ReportLabels& face) {
+  std::optional<std::string> write(const judge::Verdict& verdict,
+                                   const judge::ReportLabels& labels) {
     std::optional<std::string> failure;
     const auto put = [&failure](ReportFile& file, const auto& text) {
       if (!file.is_wanted()) return;
       if (auto reason = file.write(text())) failure = std::move(reason);
     };
     put(junit_, [&] {
-      return junit_xml({judge_junit(verdict, face, fail_on_)});
+      return junit_xml({judge_junit(verdict, labels, fail_on_)});
     });
     put(sarif_, [&] {
-      return judge_sarif(verdict, face);
+      return judge_sarif(verdict, labels);
     });
     put(html_, [&] {
-      return judge_html(verdict, face);
+      return judge_html(verdict, labels);
     });
     return failure;
   }
@@ -311,10 +312,10 @@ class LiveRun {
 ExitCode JudgeCommand::report(const Program& program, Judged& result,
                               const std::vector<judge::Exception>& excepted,
                               ReportFiles& reports) const {
-  judge::ReportLabels face{.source = log, .name_of = result.name_of, .notes = result.notes};
-  face.unused = judge::except(result.verdict, excepted, result.name_of);
-  print_verdict(result.verdict, face, program);
-  if (const auto failure = reports.write(result.verdict, face)) {
+  judge::ReportLabels labels{.source = log, .name_of = result.name_of, .notes = result.notes};
+  labels.unused = judge::except(result.verdict, excepted, result.name_of);
+  print_verdict(result.verdict, labels, program);
+  if (const auto failure = reports.write(result.verdict, labels)) {
     program.terminal.print_error("vdrive: " + *failure);
     return ExitCode::failed;
   }

@@ -27,14 +27,14 @@ std::string short_line(const client::Axis& axis, const client::AxisSnapshot& sta
 void show_status(const client::Axis& axis, const client::AxisSnapshot& status, bool is_only_one,
                  const CommandContext& context) {
   const Output& output = context.output;
-  AxisLabel face{axis.name(), axis.unit()};
-  if (output.is_json || is_only_one) face.owner = owner_of(context.session, status);
+  AxisLabel label{axis.name(), axis.unit()};
+  if (output.is_json || is_only_one) label.owner = owner_of(context.session, status);
   if (output.is_json) {
-    Json json = status_json(status, face);
-    json["owner_name"] = name_json(face.owner);
+    Json json = status_json(status, label);
+    json["owner_name"] = name_json(label.owner);
     output.terminal.print(to_line(json));
   } else if (is_only_one) {
-    for (const std::string& line : status_text(status, face)) output.terminal.print(line);
+    for (const std::string& line : status_text(status, label)) output.terminal.print(line);
   } else {
     const std::string line = short_line(axis, status);
     const auto color = color_of(status);

@@ -143,12 +143,12 @@ void WatchCommand::declare(Arguments& arguments) {
 Outcome WatchCommand::run(CommandContext& context) const {
   const auto found = axes.empty() ? context.axes.axes_of_all_benches() : context.axes.axes(axes);
   if (!found) return found.outcome();
-  std::map<client::AxisId, AxisLabel> faces;
+  std::map<client::AxisId, AxisLabel> labels;
   AxesOfBenches benches;
   for (const client::Axis& axis : *found) {
     const auto bench = context.session.find_bench(axis.id().bench);
     if (!bench) return bench.outcome();
-    faces.emplace(axis.id(), AxisLabel{axis.name(), axis.unit(), bench->name});
+    labels.emplace(axis.id(), AxisLabel{axis.name(), axis.unit(), bench->name});
     benches[axis.id().bench].push_back(axis.id());
   }
   // Every vdrived has axes: a bench without axes belongs to another program.
@@ -156,7 +156,7 @@ Outcome WatchCommand::run(CommandContext& context) const {
   using Form = WatchView::Form;
   const bool is_table = context.output.terminal.is_interactive() && count == 0;
   const Form form = is_table ? Form::table : Form::lines;
-  WatchView view(context.output.terminal, std::move(faces),
+  WatchView view(context.output.terminal, std::move(labels),
                  context.output.is_json ? Form::json : form);
   return watch(benches, view, count, context);
 }

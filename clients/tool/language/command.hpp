@@ -64,7 +64,7 @@ enum class CommandGroup : std::uint8_t {
 };
 
 /// The name and help of a command.
-struct CommandHelp {
+struct CommandInfo {
   std::string_view name;
   CommandGroup group = CommandGroup::none;
   std::string_view summary;
@@ -80,7 +80,7 @@ using CommandMaker = std::function<Command()>;
 /// The interface of a command to the rest of the tool; `row_of` derives it from the struct of its
 /// arguments.
 struct CommandRow {
-  CommandHelp face;
+  CommandInfo info;
 
   /// Declares the arguments.
   CommandMaker (*declare)(Arguments& arguments) = nullptr;
@@ -140,7 +140,7 @@ template <typename Given>
 ///         both, and with `check_objects` and `check_units` if there is something to check
 /// @tparam make returns the arguments with their initial values
 template <typename Given, Given (*make)() = &no_arguments<Given>>
-[[nodiscard]] consteval CommandRow row_of(const CommandHelp& face) {
+[[nodiscard]] consteval CommandRow row_of(const CommandInfo& info) {
   constexpr bool kRuns = requires(const Given& given, CommandContext& context) {
     given.run(context);
   };
@@ -148,9 +148,9 @@ template <typename Given, Given (*make)() = &no_arguments<Given>>
     given.start(program);
   };
   static_assert(kRuns || kStarts, "a command does something");
-  if (face.group == CommandGroup::none) throw "the help lists each command in a group";
-  if (!kRuns && face.deepest != Place::command_line) throw "a shell has one session for all";
-  CommandRow row{.face = face};
+  if (info.group == CommandGroup::none) throw "the help lists each command in a group";
+  if (!kRuns && info.deepest != Place::command_line) throw "a shell has one session for all";
+  CommandRow row{.info = info};
   row.declare = [](Arguments& arguments) -> CommandMaker {
     auto given = std::make_shared<Given>(make());
     given->declare(arguments);

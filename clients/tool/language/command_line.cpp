@@ -271,7 +271,7 @@ class CommandLine {
     if (place == Place::scenario) app_.set_help_flag();
     add_options(place);
     for (const CommandRow* const row : commands) {
-      if (row->face.deepest >= place) add_command(*row, place);
+      if (row->info.deepest >= place) add_command(*row, place);
     }
     // Added after the commands, which would otherwise inherit it.
     if (place == Place::command_line) {
@@ -360,12 +360,12 @@ class CommandLine {
   }
 
   void add_command(const CommandRow& row, Place place) {
-    const CommandHelp& face = row.face;
+    const CommandInfo& info = row.info;
     CLI::App* const command =
-        app_.add_subcommand(std::string(face.name), std::string(face.summary));
-    command->group(std::string(title_of(face.group)));
-    command->footer(face.help.empty() ? "Example:\n  vdrive " + std::string(face.example)
-                                      : std::string(face.help));
+        app_.add_subcommand(std::string(info.name), std::string(info.summary));
+    command->group(std::string(title_of(info.group)));
+    command->footer(info.help.empty() ? "Example:\n  vdrive " + std::string(info.example)
+                                      : std::string(info.help));
     Arguments& arguments = arguments_.emplace_back(*command, place, options_.json, completers_);
     command->callback([this, &row, &arguments, make = row.declare(arguments)] {
       arguments.finish();
@@ -455,7 +455,7 @@ Invocation parse_command_line(CommandTable commands, std::vector<std::string> ar
   if (arguments.empty()) throw UsageError("no command given; 'vdrive --help' lists all commands");
   CommandLine line(commands, Place::command_line);
   Invocation invocation = invocation_of(line, std::move(arguments));
-  const bool needs_domain = invocation.command && invocation.command->row->face.needs_domain;
+  const bool needs_domain = invocation.command && invocation.command->row->info.needs_domain;
   if (needs_domain) invocation.options.domain = line.domain();
   return invocation;
 }

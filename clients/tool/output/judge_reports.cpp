@@ -40,11 +40,11 @@ Json lines_json(const judge::Finding& finding) {
   return lines;
 }
 
-Json finding_json(const judge::Finding& finding, const judge::ReportLabels& face) {
+Json finding_json(const judge::Finding& finding, const judge::ReportLabels& labels) {
   const judge::RuleRow& row = judge::row_of(finding.rule);
   return {{"rule", row.name},
           {"severity", judge::to_string(row.severity)},
-          {"axis", face.name_of(finding.axis)},
+          {"axis", labels.name_of(finding.axis)},
           {"title", row.title},
           {"count", finding.count},
           {"first", place_json(finding.first)},
@@ -55,20 +55,20 @@ Json finding_json(const judge::Finding& finding, const judge::ReportLabels& face
           {"remedy", row.remedy}};
 }
 
-Json excepted_json(const judge::Verdict& verdict, const judge::ReportLabels& face) {
+Json excepted_json(const judge::Verdict& verdict, const judge::ReportLabels& labels) {
   Json excepted = Json::array();
   for (const judge::Excepted& entry : verdict.excepted) {
     excepted.push_back({{"rule", judge::row_of(entry.finding.rule).name},
-                        {"axis", face.name_of(entry.finding.axis)},
+                        {"axis", labels.name_of(entry.finding.axis)},
                         {"count", entry.finding.count},
                         {"reason", entry.reason}});
   }
   return excepted;
 }
 
-Json unused_json(const judge::ReportLabels& face) {
+Json unused_json(const judge::ReportLabels& labels) {
   Json unused = Json::array();
-  for (const judge::Exception& exception : face.unused) {
+  for (const judge::Exception& exception : labels.unused) {
     unused.push_back({{"rule", judge::row_of(exception.rule).name},
                       {"axis", exception.axis.empty() ? Json(nullptr) : Json(exception.axis)},
                       {"place", exception.place}});
@@ -76,41 +76,41 @@ Json unused_json(const judge::ReportLabels& face) {
   return unused;
 }
 
-Json unjudged_json(const judge::Verdict& verdict, const judge::ReportLabels& face) {
+Json unjudged_json(const judge::Verdict& verdict, const judge::ReportLabels& labels) {
   Json all = Json::array();
   for (const judge::Unjudged& unjudged : verdict.unjudged) {
     Json names = Json::array();
     for (const judge::Rule rule : unjudged.rules) names.push_back(judge::row_of(rule).name);
     Json axes = Json::array();
-    for (const std::uint32_t axis : unjudged.axes) axes.push_back(face.name_of(axis));
+    for (const std::uint32_t axis : unjudged.axes) axes.push_back(labels.name_of(axis));
     all.push_back(
         {{"rules", names}, {"axes", axes}, {"reason", judge::missing_text(unjudged.fact)}});
   }
   return all;
 }
 
-Json end_json(const judge::Verdict& verdict, const judge::ReportLabels& face) {
+Json end_json(const judge::Verdict& verdict, const judge::ReportLabels& labels) {
   const auto count = [&verdict](judge::Severity severity) {
     return std::ranges::count_if(verdict.findings, [severity](const judge::Finding& finding) {
       return judge::row_of(finding.rule).severity == severity;
     });
   };
-  return {{"file", face.source},
+  return {{"file", labels.source},
           {"errors", count(judge::Severity::error)},
           {"warnings", count(judge::Severity::warning)},
           {"advice", count(judge::Severity::advice)},
           {"axes", verdict.axes.size()},
           {"records", verdict.records},
           {"duration_ns", (verdict.last - verdict.first).count()},
-          {"excepted", excepted_json(verdict, face)},
-          {"unused_exceptions", unused_json(face)},
-          {"not_judged", unjudged_json(verdict, face)},
-          {"notes", face.notes}};
+          {"excepted", excepted_json(verdict, labels)},
+          {"unused_exceptions", unused_json(labels)},
+          {"not_judged", unjudged_json(verdict, labels)},
+          {"notes", labels.notes}};
 }
 
 /// @return such as "node 5 at 3.200000 s, line 12: bit 4 rose ... (3 times)".
-std::string message_of(const judge::Finding& finding, const judge::ReportLabels& face) {
-  std::string text = face.name_of(finding.axis) + " at " + judge::place_text(finding.first);
+std::string message_of(const judge::Finding& finding, const judge::ReportLabels& labels) {
+  std::string text = labels.name_of(finding.axis) + " at " + judge::place_text(finding.first);
   if (finding.first.line != 0) text += ", line " + std::to_string(finding.first.line);
   text += ": " + finding.happened;
   return finding.count == 1 ? text : text + " (" + counted(finding.count, "time", "times") + ")";
@@ -139,15 +139,15 @@ Json sarif_rules() {
   return all;
 }
 
-Json sarif_result(const judge::Finding& finding, const judge::ReportLabels& face) {
+Json sarif_result(const judge::Finding& finding, const judge::ReportLabels& labels) {
   const judge::RuleRow& row = judge::row_of(finding.rule);
-  Json physical{{"artifactLocation", {{"uri", face.source}}}};
+  Json physical{{"artifactLocation", {{"uri", labels.source}}}};
   if (finding.first.line != 0) physical["region"] = {{"startLine", finding.first.line}};
-  const Json logical{{"name", face.name_of(finding.axis)}, {"kind", "object"}};
+  const Json logical{{"name", labels.name_of(finding.axis)}, {"kind", "object"}};
   return {{"ruleId", row.name},
           {"ruleIndex", static_cast<std::size_t>(finding.rule)},
           {"level", sarif_level(row.severity)},
-          {"message", {{"text", message_of(finding, face)}}},
+          {"message", {{"text", message_of(finding, labels)}}},
           {"locations", Json::array({{{"physicalLocation", physical},
                                       {"logicalLocations", Json::array({logical})}}})},
           {"occurrenceCount", finding.count}};
@@ -233,12 +233,12 @@ std::optional<PlotTraces> finding_traces(const judge::Finding& finding) {
 }
 
 void add_html_finding(std::string& page, const judge::Finding& finding,
-                      const judge::ReportLabels& face) {
+                      const judge::ReportLabels& labels) {
   const judge::RuleRow& row = judge::row_of(finding.rule);
   const std::string severity(judge::to_string(row.severity));
   page += "<h2 id=\"" + html_text(row.name) + "-" + std::to_string(finding.axis) +
           "\"><span class=\"" + severity + "\">" + severity + "</span> " + html_text(row.name) +
-          " on " + html_text(face.name_of(finding.axis)) + ": " + html_text(row.title) +
+          " on " + html_text(labels.name_of(finding.axis)) + ": " + html_text(row.title) +
           "</h2>\n<dl>\n";
   const auto add = [&page](std::string_view term, std::string_view text) {
     page.append("<dt>").append(term).append("</dt><dd>").append(html_text(text)).append("</dd>\n");
@@ -258,7 +258,7 @@ void add_html_finding(std::string& page, const judge::Finding& finding,
   add("right", row.right);
   page += "</dl>\n";
   if (const auto traces = finding_traces(finding)) {
-    page += plot_svg(*traces, {.title = face.name_of(finding.axis) + " around " +
+    page += plot_svg(*traces, {.title = labels.name_of(finding.axis) + " around " +
                                         judge::place_text(finding.first),
                                .period = std::chrono::microseconds(1)});
     page += "\n";
@@ -285,14 +285,14 @@ std::size_t times_unjudged(const judge::Verdict& verdict, judge::Rule rule) {
 
 }  // namespace
 
-std::vector<Json> judge_json(const judge::Verdict& verdict, const judge::ReportLabels& face) {
+std::vector<Json> judge_json(const judge::Verdict& verdict, const judge::ReportLabels& labels) {
   std::vector<Json> objects;
   for (const judge::Finding& finding : verdict.findings) {
-    Json object = finding_json(finding, face);
+    Json object = finding_json(finding, labels);
     object["lines"] = lines_json(finding);
     objects.push_back(std::move(object));
   }
-  objects.push_back(end_json(verdict, face));
+  objects.push_back(end_json(verdict, labels));
   return objects;
 }
 
@@ -311,15 +311,15 @@ std::vector<Json> rules_json() {
   return objects;
 }
 
-JunitSuite judge_junit(const judge::Verdict& verdict, const judge::ReportLabels& face,
+JunitSuite judge_junit(const judge::Verdict& verdict, const judge::ReportLabels& labels,
                        judge::Severity fail_on) {
-  JunitSuite suite{.name = face.source, .cases = {}};
+  JunitSuite suite{.name = labels.source, .cases = {}};
   for (const judge::RuleRow& row : judge::rules()) {
     JunitCase test{.name = std::string(row.name) + " " + std::string(row.title)};
     std::string text;
     for (const judge::Finding& finding : verdict.findings) {
       if (finding.rule != row.rule) continue;
-      text += message_of(finding, face) + "\n";
+      text += message_of(finding, labels) + "\n";
       if (test.line == 0) test.line = finding.first.line;
     }
     if (text.empty()) {
@@ -336,12 +336,12 @@ JunitSuite judge_junit(const judge::Verdict& verdict, const judge::ReportLabels&
   return suite;
 }
 
-std::string judge_sarif(const judge::Verdict& verdict, const judge::ReportLabels& face) {
+std::string judge_sarif(const judge::Verdict& verdict, const judge::ReportLabels& labels) {
   Json results = Json::array();
   for (const judge::Finding& finding : verdict.findings)
-    results.push_back(sarif_result(finding, face));
+    results.push_back(sarif_result(finding, labels));
   for (const judge::Excepted& excepted : verdict.excepted) {
-    Json result = sarif_result(excepted.finding, face);
+    Json result = sarif_result(excepted.finding, labels);
     result["suppressions"] =
         Json::array({{{"kind", "external"}, {"justification", excepted.reason}}});
     results.push_back(std::move(result));
@@ -350,9 +350,9 @@ std::string judge_sarif(const judge::Verdict& verdict, const judge::ReportLabels
   for (const judge::Unjudged& unjudged : verdict.unjudged) {
     notes.push_back(
         {{"level", "note"},
-         {"message", {{"text", "not judged: " + judge::unjudged_text(unjudged, face.name_of)}}}});
+         {"message", {{"text", "not judged: " + judge::unjudged_text(unjudged, labels.name_of)}}}});
   }
-  for (const std::string& note : face.notes) {
+  for (const std::string& note : labels.notes) {
     notes.push_back({{"level", "note"}, {"message", {{"text", note}}}});
   }
   const Json run{
@@ -368,8 +368,8 @@ std::string judge_sarif(const judge::Verdict& verdict, const judge::ReportLabels
   return log.dump(1, ' ', false, Json::error_handler_t::replace) + "\n";
 }
 
-std::string judge_html(const judge::Verdict& verdict, const judge::ReportLabels& face) {
-  const std::string title = html_text(face.source) + ": " + judge::summary_text(verdict);
+std::string judge_html(const judge::Verdict& verdict, const judge::ReportLabels& labels) {
+  const std::string title = html_text(labels.source) + ": " + judge::summary_text(verdict);
   std::string page(kPageHead);
   page += "<title>" + title + "</title>\n</head>\n<body>\n<h1>" + title + "</h1>\n<ul>\n";
   for (const judge::Finding& finding : verdict.findings) {
@@ -378,23 +378,23 @@ std::string judge_html(const judge::Verdict& verdict, const judge::ReportLabels&
             html_text(row.name) + "</a> <span class=\"" +
             html_text(judge::to_string(row.severity)) + "\">" +
             html_text(judge::to_string(row.severity)) + "</span> on " +
-            html_text(face.name_of(finding.axis)) + ": " + html_text(row.title) + " (" +
+            html_text(labels.name_of(finding.axis)) + ": " + html_text(row.title) + " (" +
             counted(finding.count, "time", "times") + ")</li>\n";
   }
   page += "</ul>\n";
-  for (const judge::Finding& finding : verdict.findings) add_html_finding(page, finding, face);
+  for (const judge::Finding& finding : verdict.findings) add_html_finding(page, finding, labels);
   std::vector<std::string> texts;
   for (const judge::Excepted& excepted : verdict.excepted) {
     texts.push_back(std::string(judge::row_of(excepted.finding.rule).name) + " on " +
-                    face.name_of(excepted.finding.axis) + ": " + excepted.reason);
+                    labels.name_of(excepted.finding.axis) + ": " + excepted.reason);
   }
   add_html_list(page, "Excepted", texts);
   texts.clear();
   for (const judge::Unjudged& unjudged : verdict.unjudged) {
-    texts.push_back(judge::unjudged_text(unjudged, face.name_of));
+    texts.push_back(judge::unjudged_text(unjudged, labels.name_of));
   }
   add_html_list(page, "Not judged", texts);
-  add_html_list(page, "Source", face.notes);
+  add_html_list(page, "Source", labels.notes);
   return page + "</body>\n</html>\n";
 }
 

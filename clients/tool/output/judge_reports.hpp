@@ -15,7 +15,7 @@ namespace vdrive::tool {
 
 /// @return one object for each finding, and a final one with the overall result.
 [[nodiscard]] std::vector<Json> judge_json(const judge::Verdict& verdict,
-                                           const judge::ReportLabels& face);
+                                           const judge::ReportLabels& labels);
 
 /// @return one object for each rule.
 [[nodiscard]] std::vector<Json> rules_json();
@@ -24,16 +24,16 @@ namespace vdrive::tool {
 ///        of a passed case
 /// @return one suite with a case for each rule; a rule that could not be judged on any axis is
 ///         skipped.
-[[nodiscard]] JunitSuite judge_junit(const judge::Verdict& verdict, const judge::ReportLabels& face,
-                                     judge::Severity fail_on);
+[[nodiscard]] JunitSuite judge_junit(const judge::Verdict& verdict,
+                                     const judge::ReportLabels& labels, judge::Severity fail_on);
 
 /// @return the log of one run in SARIF 2.1.0, whose locations are lines of the log if it has lines.
 ///         Findings covered by an exception are suppressed results.
 [[nodiscard]] std::string judge_sarif(const judge::Verdict& verdict,
-                                      const judge::ReportLabels& face);
+                                      const judge::ReportLabels& labels);
 
 /// @return a self-contained page of HTML, with a picture of the ticks around each finding.
 [[nodiscard]] std::string judge_html(const judge::Verdict& verdict,
-                                     const judge::ReportLabels& face);
+                                     const judge::ReportLabels& labels);
 
 }  // namespace vdrive::tool

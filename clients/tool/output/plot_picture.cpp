@@ -189,12 +189,12 @@ Limits limits_of(const Panel& panel) {
 /// Draws the parts of one picture.
 class Picture {
  public:
-  Picture(const PlotTraces& traces, const PlotStyle& face)
+  Picture(const PlotTraces& traces, const PlotStyle& style)
       : traces_(traces),
-        face_(face),
+        style_(style),
         panels_(panels_of(traces)),
-        width_(face.width),
-        height_(height_of(face, panels_.size())),
+        width_(style.width),
+        height_(height_of(style, panels_.size())),
         panel_height_((height_ - kHead - kFoot) / static_cast<double>(panels_.size()) -
                       kPanelTitle) {}
 
@@ -202,11 +202,11 @@ class Picture {
     const std::string width = pixels_text(width_);
     const std::string height = pixels_text(height_);
     svg_ = R"(<svg xmlns="http://www.w3.org/2000/svg" width=")" + width + R"(" height=")" + height +
-           R"(" viewBox="0 0 )" + width + " " + height + "\">\n<title>" + xml_text(face_.title) +
+           R"(" viewBox="0 0 )" + width + " " + height + "\">\n<title>" + xml_text(style_.title) +
            "</title>\n" + std::string(kStyle);
     svg_ += R"(<rect class="p" width=")" + width + R"(" height=")" + height + "\" rx=\"6\"/>\n";
-    svg_ += text_at(kLeft, 22.0, "t", face_.title);
-    svg_ += text_at(kLeft, 41.0, "n", face_.note);
+    svg_ += text_at(kLeft, 22.0, "t", style_.title);
+    svg_ += text_at(kLeft, 41.0, "n", style_.note);
     draw_band();
     for (std::size_t i = 0; i < panels_.size(); ++i) draw_panel(panels_[i], top_of(i));
     draw_times();
@@ -216,8 +216,8 @@ class Picture {
   }
 
  private:
-  static double height_of(const PlotStyle& face, std::size_t panels) {
-    if (face.height != 0) return face.height;
+  static double height_of(const PlotStyle& style, std::size_t panels) {
+    if (style.height != 0) return style.height;
     return kHead + kFoot + static_cast<double>(panels) * (kUsualPanel + kPanelTitle);
   }
 
@@ -231,7 +231,7 @@ class Picture {
 
   [[nodiscard]] double seconds_of(std::uint64_t tick) const {
     constexpr double kNanosecond = 1e-9;
-    return static_cast<double>(tick - face_.origin) * static_cast<double>(face_.period.count()) *
+    return static_cast<double>(tick - style_.origin) * static_cast<double>(style_.period.count()) *
            kNanosecond;
   }
 
@@ -322,7 +322,7 @@ class Picture {
 
   [[nodiscard]] double span() const {
     const std::uint64_t ticks = std::max<std::uint64_t>(traces_.last_tick - traces_.first_tick, 1);
-    return seconds_of(face_.origin + ticks);
+    return seconds_of(style_.origin + ticks);
   }
 
   [[nodiscard]] TimeUnit time_unit() const { return unit_for(span()); }
@@ -368,7 +368,7 @@ class Picture {
   }
 
   const PlotTraces& traces_;
-  const PlotStyle& face_;
+  const PlotStyle& style_;
   std::vector<Panel> panels_;
   double width_;
   double height_;
@@ -396,8 +396,8 @@ std::size_t plot_bins(std::uint32_t width, std::size_t columns) noexcept {
   return std::min({pixels, kMostBins, kMostPoints / std::max<std::size_t>(columns, 1)});
 }
 
-std::string plot_svg(const PlotTraces& traces, const PlotStyle& face) {
-  return Picture(traces, face).draw();
+std::string plot_svg(const PlotTraces& traces, const PlotStyle& style) {
+  return Picture(traces, style).draw();
 }
 
 }  // namespace vdrive::tool

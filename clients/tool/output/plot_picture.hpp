@@ -39,6 +39,6 @@ struct PlotStyle {
 /// Draws an SVG: the power state as a band, below it a panel for each quantity, with ticks, units
 /// and a legend, and a line at each fault. It has its own background and follows the light or dark
 /// scheme of the viewer. Equal traces give identical bytes.
-[[nodiscard]] std::string plot_svg(const PlotTraces& traces, const PlotStyle& face);
+[[nodiscard]] std::string plot_svg(const PlotTraces& traces, const PlotStyle& style);
 
 }  // namespace vdrive::tool

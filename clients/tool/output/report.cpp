@@ -38,17 +38,17 @@ std::string per_mille_text(int value) {
   return formatted("%.1f %%", value / 10.0);
 }
 
-Json status_json(const client::AxisSnapshot& axis, const AxisLabel& face) {
-  return recording::status_json(axis, face.name, face.unit);
+Json status_json(const client::AxisSnapshot& axis, const AxisLabel& label) {
+  return recording::status_json(axis, label.name, label.unit);
 }
 
-std::vector<std::string> status_text(const client::AxisSnapshot& axis, const AxisLabel& face) {
-  const auto in_unit = [&face](std::int32_t user_units) {
-    return escaped(position_text(user_units, face.unit));
+std::vector<std::string> status_text(const client::AxisSnapshot& axis, const AxisLabel& label) {
+  const auto in_unit = [&label](std::int32_t user_units) {
+    return escaped(position_text(user_units, label.unit));
   };
   const AxisStatus& status = axis.status;
   std::vector<std::string> lines;
-  lines.push_back(to_string(axis.id) + " " + escaped(face.name));
+  lines.push_back(to_string(axis.id) + " " + escaped(label.name));
   lines.push_back("  statusword  " +
                   client::describe_statusword(status.ds402_statusword, axis.mode()));
   lines.push_back("  mode        " + std::to_string(status.op_mode_actual) + " " +
@@ -67,7 +67,7 @@ std::vector<std::string> status_text(const client::AxisSnapshot& axis, const Axi
                   " of rated, current " + per_mille_text(status.current_actual_value));
   lines.push_back("  error       " +
                   (status.error_code == 0 ? std::string("none") : error_text(status.error_code)));
-  lines.push_back("  owner       " + holder_text(axis.owner_session, face.owner));
+  lines.push_back("  owner       " + holder_text(axis.owner_session, label.owner));
   lines.push_back("  tick        " + std::to_string(axis.tick));
   return lines;
 }

@@ -24,11 +24,11 @@ struct AxisLabel {
 };
 
 /// The status of an axis as in `status` and `watch`.
-[[nodiscard]] Json status_json(const client::AxisSnapshot& axis, const AxisLabel& face);
+[[nodiscard]] Json status_json(const client::AxisSnapshot& axis, const AxisLabel& label);
 
 /// The same as several lines of text.
 [[nodiscard]] std::vector<std::string> status_text(const client::AxisSnapshot& axis,
-                                                   const AxisLabel& face);
+                                                   const AxisLabel& label);
 
 /// The same as one line of text. @param label name of the axis
 [[nodiscard]] std::string status_line(const client::AxisSnapshot& axis, const std::string& label,

@@ -18,7 +18,7 @@ namespace {
 
 struct WatchedAxis {
   const client::AxisSnapshot& axis;
-  const AxisLabel& face;
+  const AxisLabel& label;
 };
 
 struct WatchColumn {
@@ -35,7 +35,7 @@ constexpr std::size_t kHeaderRows = 2;
 
 /// @return a position in the unit of the axis.
 std::string in_unit(const WatchedAxis& watched, std::int32_t user_units) {
-  return escaped(position_text(user_units, watched.face.unit));
+  return escaped(position_text(user_units, watched.label.unit));
 }
 
 constexpr std::array kColumns{
@@ -45,11 +45,11 @@ constexpr std::array kColumns{
                 }},
     WatchColumn{"name", 100, 4, false,
                 [](const WatchedAxis& watched) {
-                  return clipped(escaped(watched.face.name), kLongestName);
+                  return clipped(escaped(watched.label.name), kLongestName);
                 }},
     WatchColumn{"bench", 100, 5, false,
                 [](const WatchedAxis& watched) {
-                  return clipped(escaped(watched.face.bench), kLongestName);
+                  return clipped(escaped(watched.label.bench), kLongestName);
                 },
                 true},
     // Numbers have the width of usual values, because a column that changes its width would jump.
@@ -170,7 +170,7 @@ bool is_before(const WatchedAxis& a, const WatchedAxis& b, WatchSort sort) {
     case WatchSort::axis:
       return a.axis.id < b.axis.id;
     case WatchSort::name:
-      return a.face.name < b.face.name;
+      return a.label.name < b.label.name;
     case WatchSort::position:
       return left.load_position_actual_value < right.load_position_actual_value;
     case WatchSort::velocity:
@@ -227,11 +227,11 @@ std::size_t room_of(const TerminalSize& size) {
 
 }  // namespace
 
-const AxisLabel& face_of(const client::AxisId& axis,
-                         const std::map<client::AxisId, AxisLabel>& faces) {
-  const auto face = faces.find(axis);
-  ensure(face != faces.end(), "each axis that is watched has a face");
-  return face->second;
+const AxisLabel& label_of(const client::AxisId& axis,
+                          const std::map<client::AxisId, AxisLabel>& labels) {
+  const auto label = labels.find(axis);
+  ensure(label != labels.end(), "each axis that is watched has a label");
+  return label->second;
 }
 
 std::size_t page_of(const TerminalSize& size) {
@@ -239,12 +239,12 @@ std::size_t page_of(const TerminalSize& size) {
 }
 
 std::vector<LiveLine> watch_table(const client::Observation& sample,
-                                  const std::map<client::AxisId, AxisLabel>& faces,
+                                  const std::map<client::AxisId, AxisLabel>& labels,
                                   const TerminalSize& size, const WatchChoice& choice) {
   std::vector<WatchedAxis> axes;
   axes.reserve(sample.axes.size());
   for (const client::AxisSnapshot& axis : sample.axes)
-    axes.push_back({axis, face_of(axis.id, faces)});
+    axes.push_back({axis, label_of(axis.id, labels)});
   const std::size_t width = size.columns - 1;
   const WatchTable table(axes, size.columns);
   std::vector<LiveLine> lines{
@@ -308,7 +308,7 @@ bool WatchView::press(Key key) {
       choice_.only_faults = !choice_.only_faults;
       break;
     case Key::next_page:
-      choice_.first = std::min(choice_.first + page, (faces_.size() - 1) / page * page);
+      choice_.first = std::min(choice_.first + page, (labels_.size() - 1) / page * page);
       break;
     case Key::previous_page:
       choice_.first -= std::min(choice_.first, page);
@@ -341,7 +341,7 @@ bool WatchView::refresh(Clock::time_point now) {
 
 void WatchView::show_table() {
   shown_size_ = terminal_size();
-  terminal_.show_screen(watch_table(all(), faces_, shown_size_, choice_));
+  terminal_.show_screen(watch_table(all(), labels_, shown_size_, choice_));
 }
 
 /// Skips repeated lines: a tick, such as the only one of a paused bench, may arrive both in the
@@ -357,10 +357,10 @@ bool WatchView::show_lines() {
 }
 
 std::string WatchView::line_of(const client::AxisSnapshot& axis) const {
-  const AxisLabel& face = face_of(axis.id, faces_);
-  if (form_ == Form::json) return to_line(status_json(axis, face));
+  const AxisLabel& label = label_of(axis.id, labels_);
+  if (form_ == Form::json) return to_line(status_json(axis, label));
   const std::string line =
-      std::to_string(axis.tick) + "  " + status_line(axis, to_string(axis.id), face.unit);
+      std::to_string(axis.tick) + "  " + status_line(axis, to_string(axis.id), label.unit);
   const auto color = color_of(axis);
   return color ? colored(terminal_, *color, line) : line;
 }

@@ -29,9 +29,9 @@ struct WatchChoice {
 };
 
 /// @return the label of a watched axis.
-/// @pre `faces` has it
-[[nodiscard]] const AxisLabel& face_of(const client::AxisId& axis,
-                                       const std::map<client::AxisId, AxisLabel>& faces);
+/// @pre `labels` has it
+[[nodiscard]] const AxisLabel& label_of(const client::AxisId& axis,
+                                        const std::map<client::AxisId, AxisLabel>& labels);
 
 /// @return the number of axes per page if they do not all fit.
 [[nodiscard]] std::size_t page_of(const TerminalSize& size);
@@ -40,7 +40,7 @@ struct WatchChoice {
 /// per axis. A wider terminal gets more columns; 60 are enough for position, velocity and state
 /// with the bits of the statusword. The table never exceeds the size of the terminal.
 [[nodiscard]] std::vector<LiveLine> watch_table(const client::Observation& sample,
-                                                const std::map<client::AxisId, AxisLabel>& faces,
+                                                const std::map<client::AxisId, AxisLabel>& labels,
                                                 const TerminalSize& size,
                                                 const WatchChoice& choice = {});
 
@@ -52,8 +52,8 @@ class WatchView {
 
   enum class Form : std::uint8_t { table, lines, json };
 
-  WatchView(Terminal& terminal, std::map<client::AxisId, AxisLabel> faces, Form form)
-      : terminal_(terminal), faces_(std::move(faces)), form_(form) {}
+  WatchView(Terminal& terminal, std::map<client::AxisId, AxisLabel> labels, Form form)
+      : terminal_(terminal), labels_(std::move(labels)), form_(form) {}
 
   /// @param sample of axes of one bench
   void take(client::Observation sample);
@@ -73,7 +73,7 @@ class WatchView {
   [[nodiscard]] client::Observation all() const;
 
   Terminal& terminal_;
-  const std::map<client::AxisId, AxisLabel> faces_;
+  const std::map<client::AxisId, AxisLabel> labels_;
   const Form form_;
   std::map<std::uint32_t, client::Observation> newest_;  ///< by bench
   bool is_new_ = false;

@@ -23,16 +23,16 @@ JunitCase judged(const Scenario& scenario, const std::vector<judge::Exception>& 
                  ScenarioVerdict& verdict) {
   std::ifstream file(journal, std::ios::binary);
   judge::JournalVerdict result = judge::judge_journal(file);
-  judge::ReportLabels face{.source = scenario.file,
-                           .name_of = judge::axes_of_bench(result.bench),
-                           .notes = std::move(result.notes)};
-  face.unused = judge::except(result.verdict, exceptions, face.name_of);
-  for (const judge::Exception& unused : face.unused) {
+  judge::ReportLabels labels{.source = scenario.file,
+                             .name_of = judge::axes_of_bench(result.bench),
+                             .notes = std::move(result.notes)};
+  labels.unused = judge::except(result.verdict, exceptions, labels.name_of);
+  for (const judge::Exception& unused : labels.unused) {
     verdict.notes.push_back("vdrive: " + escaped(unused.place, kShownOfMessage) +
                             ": the judge found nothing that this exception covers");
   }
   JunitCase test{.name = kCase};
-  const std::string text = judge::text_report(result.verdict, face);
+  const std::string text = judge::text_report(result.verdict, labels);
   if (!judge::fails(result.verdict, fail_on)) {
     test.output = result.verdict.findings.empty() ? std::string() : text;
     return test;

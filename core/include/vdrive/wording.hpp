@@ -30,7 +30,8 @@ namespace vdrive {
 [[nodiscard]] std::string choice_of(const std::vector<std::string>& words);
 
 /// @return why `text` is refused if it is not one of these words, such as "'air' must be one of
-///         local, dds", with the closest word; empty if it is one of them.
+///         local, dds", with the closest word; empty if it is one of them. The text is not escaped:
+///         escaped() is for the message as a whole.
 [[nodiscard]] std::string refusal_of_choice(std::string_view text,
                                             const std::vector<std::string>& words);
 

@@ -33,8 +33,8 @@ function move(reading: Partial<Reading> = {}, target: number | undefined = readi
   return motion;
 }
 
-function taking(motion: Motion, ...sights: Partial<MotionStatus>[]): Motion {
-  for (const sight of sights) motion.take({ ...ON_THE_WAY, ...sight });
+function taking(motion: Motion, ...statuses: Partial<MotionStatus>[]): Motion {
+  for (const status of statuses) motion.take({ ...ON_THE_WAY, ...status });
   return motion;
 }
 
@@ -70,9 +70,9 @@ const ENDS: [string, Partial<MotionStatus>, Motion["end"]][] = [
   ["a limit switch in the way", { inputs: 2, velocity: 0 }, { kind: "positive_limit" }],
 ];
 
-for (const [name, sight, end] of ENDS) {
+for (const [name, status, end] of ENDS) {
   test(`a move is ended by ${name}, and stays so`, () => {
-    const motion = taking(move(), {}, sight, { ...AT_TARGET, tick: 400 });
+    const motion = taking(move(), {}, status, { ...AT_TARGET, tick: 400 });
     assert.deepEqual(motion.end, end);
     assert.equal(motion.position, 2000);
   });
@@ -121,8 +121,8 @@ test("where a relative move ends is not known before, and bit 10 without a halt 
 });
 
 test("on a modulo axis 6062h of a target beyond the range is its place in the range", () => {
-  const ends = (sight: Partial<MotionStatus>, span: number, target: number) => {
-    const motion = taking(move({ target }), { ...STANDS, ...sight });
+  const ends = (status: Partial<MotionStatus>, span: number, target: number) => {
+    const motion = taking(move({ target }), { ...STANDS, ...status });
     motion.answer({ ...ACCEPTED, tick: 102, target, span });
     return motion.end;
   };
@@ -133,7 +133,7 @@ test("on a modulo axis 6062h of a target beyond the range is its place in the ra
 });
 
 test("a homing run ends with home found, a homing error, a halt or an interruption", () => {
-  const runs = (sight: Partial<MotionStatus>) => taking(move({ mode: 6 }), { mode: 6 }, { mode: 6, ...sight });
+  const runs = (status: Partial<MotionStatus>) => taking(move({ mode: 6 }), { mode: 6 }, { mode: 6, ...status });
   assert.equal(runs({}).end, undefined);
   assert.equal(runs({ statusword: ENABLED | ATTAINED }).end, undefined);
   assert.deepEqual(runs({ statusword: ENABLED | ATTAINED | REACHED }).end, { kind: "home_found" });

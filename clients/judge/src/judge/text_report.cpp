@@ -41,11 +41,11 @@ void add_table(std::string& text, const Finding& finding) {
   }
 }
 
-void add_finding(std::string& text, const Finding& finding, const ReportLabels& face) {
+void add_finding(std::string& text, const Finding& finding, const ReportLabels& labels) {
   const RuleRow& row = row_of(finding.rule);
   text.append("\n").append(to_string(row.severity)).append(" ").append(row.name);
   text.append(" on ")
-      .append(face.name_of(finding.axis))
+      .append(labels.name_of(finding.axis))
       .append(": ")
       .append(row.title)
       .append("\n");
@@ -119,31 +119,31 @@ std::string unjudged_text(const Unjudged& unjudged, const AxisName& name_of) {
   return text.append(": ").append(missing_text(unjudged.fact));
 }
 
-std::string text_report(const Verdict& verdict, const ReportLabels& face) {
-  std::string text = face.source + ": " + summary_text(verdict) + "; " +
+std::string text_report(const Verdict& verdict, const ReportLabels& labels) {
+  std::string text = labels.source + ": " + summary_text(verdict) + "; " +
                      counted(verdict.records, "record", "records") + " in " +
                      duration_text(verdict.last - verdict.first) + "\n";
-  for (const Finding& finding : verdict.findings) add_finding(text, finding, face);
+  for (const Finding& finding : verdict.findings) add_finding(text, finding, labels);
   if (!verdict.excepted.empty()) text += "\nexcepted:\n";
   for (const Excepted& excepted : verdict.excepted) {
     const Finding& finding = excepted.finding;
     text.append("  ").append(row_of(finding.rule).name).append(" on ");
-    text.append(face.name_of(finding.axis)).append(", ");
+    text.append(labels.name_of(finding.axis)).append(", ");
     text.append(counted(finding.count, "time", "times")).append(": ");
     text.append(excepted.reason).append("\n");
   }
-  if (!face.unused.empty()) text += "\nunused exceptions:\n";
-  for (const Exception& exception : face.unused) {
+  if (!labels.unused.empty()) text += "\nunused exceptions:\n";
+  for (const Exception& exception : labels.unused) {
     text.append("  ").append(exception.place).append(": ").append(row_of(exception.rule).name);
     if (!exception.axis.empty()) text.append(" on ").append(exception.axis);
     text.append("\n");
   }
   if (!verdict.unjudged.empty()) text += "\nnot judged:\n";
   for (const Unjudged& unjudged : verdict.unjudged) {
-    text.append("  ").append(unjudged_text(unjudged, face.name_of)).append("\n");
+    text.append("  ").append(unjudged_text(unjudged, labels.name_of)).append("\n");
   }
-  if (!face.notes.empty()) text += "\nsource:\n";
-  for (const std::string& note : face.notes) text.append("  ").append(note).append("\n");
+  if (!labels.notes.empty()) text += "\nsource:\n";
+  for (const std::string& note : labels.notes) text.append("  ").append(note).append("\n");
   return text;
 }
 

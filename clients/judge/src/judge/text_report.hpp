@@ -36,6 +36,6 @@ using CycleRow = std::array<std::string, kCycleColumns.size()>;
 
 /// The verdict for a reader: worst first, each finding with the table around it.
 /// @return lines, each with its line end.
-[[nodiscard]] std::string text_report(const Verdict& verdict, const ReportLabels& face);
+[[nodiscard]] std::string text_report(const Verdict& verdict, const ReportLabels& labels);
 
 }  // namespace vdrive::judge

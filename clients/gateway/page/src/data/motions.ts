@@ -94,13 +94,13 @@ export class Motion {
   }
 
   /** Ignores a status from before the drive accepted the motion, which belongs to an earlier one. */
-  take(sight: MotionStatus): void {
-    if (this.end !== undefined || sight.tick < this.start.tick) return;
-    this.position = sight.position;
-    this.demand = sight.demand;
-    this.end = this.isHoming ? this.endOfHoming(sight) : this.endOfMove(sight);
-    this.end = this.endFromOutside(sight) ?? this.end;
-    this.mustAsk = this.end === undefined && isAmong(sight.statusword, STATUS_BIT.targetReached);
+  take(status: MotionStatus): void {
+    if (this.end !== undefined || status.tick < this.start.tick) return;
+    this.position = status.position;
+    this.demand = status.demand;
+    this.end = this.isHoming ? this.endOfHoming(status) : this.endOfMove(status);
+    this.end = this.endFromOutside(status) ?? this.end;
+    this.mustAsk = this.end === undefined && isAmong(status.statusword, STATUS_BIT.targetReached);
   }
 
   /** Takes the drive's answer, read while bit 10 was 1. */
