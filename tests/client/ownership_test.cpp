@@ -40,6 +40,14 @@ TEST(SessionOptions, RefuseATooShortSilenceTime) {
   EXPECT_THROW(Session{hasty}, std::runtime_error);
 }
 
+TEST(SessionOptions, RefuseAReceiveCoalescingOutOfRange) {
+  for (const auto coalescing : {-1ms, 21ms}) {
+    SessionOptions late = options_on_wire();
+    late.receive_coalescing = coalescing;
+    EXPECT_THROW(Session{late}, std::runtime_error);
+  }
+}
+
 TEST(Abandon, StopsAllSendingSoThatTheBenchDetectsALostMaster) {
   const BenchOnWire bench("--clock realtime");
   Session other(options_on_wire());

@@ -612,6 +612,27 @@ TEST_F(LockStep, ReceivesStatusWhileAnotherSessionSteps) {
   }
 }
 
+TEST_F(LockStep, ASessionThatReceivesEvery8MsMissesNoStatus) {
+  SessionOptions options = options_on_wire();
+  options.receive_coalescing = 8ms;
+  Session observer(options);
+  auto follower = observer.follow({{1, 1}}, Pace::observe);
+  ASSERT_TRUE(follower);
+  Observation kept;
+  const auto deadline = std::chrono::steady_clock::now() + 10s;
+  while (!follower->next(20ms, kept)) {
+    ASSERT_LT(std::chrono::steady_clock::now(), deadline);
+    ASSERT_TRUE(sut_.step(1, 1));
+  }
+  // The last 64 samples are kept (StatusFrame: live).
+  for (int i = 0; i < 60; ++i) ASSERT_TRUE(sut_.step(1, 1));
+  const auto last = *sut_.step(1, 0);
+  while (kept.tick < last) {
+    ASSERT_TRUE(follower->next(2s, kept));
+    EXPECT_EQ(kept.missed, 0U) << "before tick " << kept.tick;
+  }
+}
+
 // Ticks of 1 ms, and samples that wait: a sample is as many ms old as ticks were run after it.
 TEST_F(LockStep, AFollowerMeasuresHowFarItsSamplesAreBehindTheBench) {
   auto follower = sut_.follow({{1, 1}}, Pace::observe);

@@ -224,7 +224,7 @@ bool BenchLinks::repair(const BenchKey& key) {
   const bool is_overdue =
       (unanswered_.requests.has_due(key, late) || unanswered_.frames.has_due(key, late)) &&
       discovery_.is_alive(key, kPresence);
-  if (!may_command() || (!was_broken && !is_overdue)) return was_broken;
+  if (is_closed_ || !may_command() || (!was_broken && !is_overdue)) return was_broken;
   if (const OpenLink link = try_open(key)) (void)repeat(key, Clock::now() - kRepeatAfter);
   return was_broken;
 }

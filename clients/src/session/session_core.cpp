@@ -20,11 +20,21 @@ namespace {
 // A bench publishes its state every 50 ms, in every clock mode.
 constexpr std::chrono::milliseconds kShortestSilence{50};
 
+// Well below `kShortestSilence` and the least time-out of a bench's watchdog.
+constexpr std::chrono::milliseconds kLongestCoalescing{20};
+
 const SessionOptions& checked(const SessionOptions& options) {
-  if (options.silence >= kShortestSilence) return options;
-  throw std::runtime_error(
-      "silence = " + std::to_string(options.silence.count()) +
-      " ms, the time without samples after which a service is lost: must be 50 ms or more");
+  if (options.silence < kShortestSilence) {
+    throw std::runtime_error(
+        "silence = " + std::to_string(options.silence.count()) +
+        " ms, the time without samples after which a service is lost: must be 50 ms or more");
+  }
+  const auto coalescing = options.receive_coalescing;
+  if (coalescing < coalescing.zero() || coalescing > kLongestCoalescing) {
+    throw std::runtime_error("receive_coalescing = " + std::to_string(coalescing.count()) +
+                             " ms, the time between two receptions: must be 0 to 20 ms");
+  }
+  return options;
 }
 
 std::uint64_t random_session() {
@@ -43,7 +53,8 @@ wire::NetworkSettings settings_of(const SessionOptions& options) {
           .shared_memory = false,
           .security = options.security,
           .role = wire::Role::client,
-          .bus = options.bus};
+          .bus = options.bus,
+          .receive_coalescing = options.receive_coalescing};
 }
 
 }  // namespace

@@ -42,6 +42,9 @@ namespace {
 
 constexpr std::string_view kStandardInput = "-";
 
+// Judging needs every status, but none of them soon.
+constexpr std::chrono::milliseconds kReceiveEvery{8};
+
 /// The result of judging a source.
 struct Judged {
   judge::Verdict verdict;
@@ -327,7 +330,9 @@ ExitCode JudgeCommand::start_live(const Program& program) const {
   ReportFiles reports(*this);
   Interrupt interrupt;
   leave_screen_before_exit(interrupt, program.terminal);
-  client::Session session(session_options(program.options));
+  client::SessionOptions options = session_options(program.options);
+  options.receive_coalescing = kReceiveEvery;
+  client::Session session(options);
   interrupt.arm([&session] {
     session.interrupt();
   });

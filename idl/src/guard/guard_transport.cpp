@@ -1,6 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "guard_transport.hpp"
 
+#include "receive_coalescing.hpp"
+
+#include <thread>
+
 namespace vdrive::wire {
 
 eprosima::fastdds::rtps::TransportInterface* GuardedTransport::create_transport() const {
@@ -8,7 +12,10 @@ eprosima::fastdds::rtps::TransportInterface* GuardedTransport::create_transport(
 }
 
 GuardTransport::GuardTransport(const GuardedTransport& description)
-    : ObservingTransport(description), guard_(description.guard), names_(description.names) {}
+    : ObservingTransport(description),
+      guard_(description.guard),
+      names_(description.names),
+      coalescing_(description.coalescing) {}
 
 bool GuardTransport::OpenOutputChannel(eprosima::fastdds::rtps::SendResourceList& sockets,
                                        const Locator& to) {
@@ -41,7 +48,13 @@ bool GuardTransport::CloseInputChannel(const Locator& local) {
 void GuardTransport::receive(eprosima::fastdds::rtps::TransportReceiverInterface* receiver,
                              const std::uint8_t* bytes, std::uint32_t size, const Locator& local,
                              const Locator& remote) {
+  if (coalescing_.count() == 0) return guard_->receive(*receiver, {bytes, size}, local, remote);
+  // Each channel has a thread of the library, which holds no lock here.
+  thread_local ReceiveCoalescing coalescing(coalescing_);
+  const auto pause = coalescing.pause_after(size, ReceiveCoalescing::Clock::now());
   guard_->receive(*receiver, {bytes, size}, local, remote);
+  if (pause.count() > 0) std::this_thread::sleep_for(pause);
+  coalescing.resumed(ReceiveCoalescing::Clock::now());
 }
 
 bool GuardTransport::sends_directly(const rtps::SenderResource& low, ByteView datagram,

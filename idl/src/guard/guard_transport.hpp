@@ -5,6 +5,7 @@
 #include "host_names.hpp"
 
 #include <atomic>
+#include <chrono>
 #include <memory>
 #include <set>
 #include <shared_mutex>
@@ -15,16 +16,19 @@ namespace vdrive::wire {
 /// Describes a transport with a guard in front of it.
 struct GuardedTransport final : eprosima::fastdds::rtps::ChainingTransportDescriptor {
   GuardedTransport(std::shared_ptr<eprosima::fastdds::rtps::TransportDescriptorInterface> low,
-                   std::shared_ptr<Guard> its_guard, std::shared_ptr<const HostNames> its_names)
+                   std::shared_ptr<Guard> its_guard, std::shared_ptr<const HostNames> its_names,
+                   std::chrono::microseconds its_coalescing)
       : ChainingTransportDescriptor(std::move(low)),
         guard(std::move(its_guard)),
-        names(std::move(its_names)) {}
+        names(std::move(its_names)),
+        coalescing(its_coalescing) {}
 
   [[nodiscard]] eprosima::fastdds::rtps::TransportInterface* create_transport() const override;
 
   std::shared_ptr<Guard> guard;
   std::shared_ptr<const HostNames>
-      names;  ///< none: the library sends to addresses that it announces
+      names;                             ///< none: the library sends to addresses that it announces
+  std::chrono::microseconds coalescing;  ///< NetworkSettings::receive_coalescing
 };
 
 /// A transport of the library with a guard between it and its receiver.
@@ -63,6 +67,7 @@ class GuardTransport final : public ObservingTransport {
 
   std::shared_ptr<Guard> guard_;
   std::shared_ptr<const HostNames> names_;
+  std::chrono::microseconds coalescing_;
   std::shared_mutex announced_mutex_;
   std::set<Locator> announced_;  ///< destinations announced by the library to its transport
   /// The first socket of the library that sends. The library calls sends_directly() for each
@@ -77,16 +82,21 @@ template <typename Descriptor>
 class Guarded final : public Descriptor {
  public:
   Guarded(const Descriptor& low, std::shared_ptr<Guard> guard,
-          std::shared_ptr<const HostNames> names)
-      : Descriptor(low), guard_(std::move(guard)), names_(std::move(names)) {}
+          std::shared_ptr<const HostNames> names, std::chrono::microseconds coalescing)
+      : Descriptor(low),
+        guard_(std::move(guard)),
+        names_(std::move(names)),
+        coalescing_(coalescing) {}
 
   [[nodiscard]] eprosima::fastdds::rtps::TransportInterface* create_transport() const override {
-    return GuardedTransport(std::make_shared<Descriptor>(*this), guard_, names_).create_transport();
+    return GuardedTransport(std::make_shared<Descriptor>(*this), guard_, names_, coalescing_)
+        .create_transport();
   }
 
  private:
   std::shared_ptr<Guard> guard_;
   std::shared_ptr<const HostNames> names_;
+  std::chrono::microseconds coalescing_;
 };
 
 }  // namespace vdrive::wire

@@ -78,6 +78,10 @@ struct SessionOptions {
   /// number of this process and the name of its host; empty = the file name of this process's
   /// program.
   std::string program{};
+  /// For a program that only observes: an idle session takes what has arrived only this often [wall
+  /// time, 0 to 20 ms]. One wakeup then serves many samples; every answer may be as much later. 0 =
+  /// immediately. No effect on a bus of this process.
+  std::chrono::milliseconds receive_coalescing{0};
 };
 
 /// A change in the presence of a service.

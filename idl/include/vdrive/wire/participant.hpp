@@ -8,6 +8,7 @@
 #include "vdrive/wire/source.hpp"
 #include "vdrive/wire/topics.hpp"
 
+#include <chrono>
 #include <compare>
 #include <cstddef>
 #include <cstdint>
@@ -42,6 +43,9 @@ struct NetworkSettings {
   GuardSink guard_sink{};  ///< receives each refusal of the guard
   std::string place{};     ///< of a service: process and host, shown to others (DDS user data)
   std::shared_ptr<LocalBus> bus{};  ///< of this process; null = DDS
+  /// An idle receiver that got a datagram sleeps up to this long and then takes all that arrived:
+  /// fewer wakeups, later answers. Needs the guard; 0 = receives immediately.
+  std::chrono::milliseconds receive_coalescing{};
 };
 
 /// Receive buffer that a client requests for each of its sockets, limited by net.core.rmem_max
