@@ -6,9 +6,9 @@ include(GNUInstallDirs)
 
 set(package_dir ${CMAKE_INSTALL_LIBDIR}/cmake/vdrive)
 
-# One export set per part that some components need and others do not. The static libraries for
-# users link the others, so the package contains their archives but not their headers: no public
-# header refers to them.
+# One export set per part that some components need and others do not. The static libraries for users
+# link internal ones, so the package contains the archives of these too, but not their headers: no
+# public header refers to them.
 install(
   TARGETS vdrive_core
   EXPORT vdrive-core
@@ -47,7 +47,7 @@ write_basic_package_version_file(
 install(FILES ${PROJECT_BINARY_DIR}/vdriveConfig.cmake ${PROJECT_BINARY_DIR}/vdriveConfigVersion.cmake
         DESTINATION ${package_dir} COMPONENT development)
 
-# The unit for further benches: that of the first one with another configuration and directory.
+# The unit for further benches: the first unit with another configuration and directory.
 set(unit_dir ${PROJECT_SOURCE_DIR}/deploy/systemd)
 set_property(DIRECTORY APPEND PROPERTY CMAKE_CONFIGURE_DEPENDS ${unit_dir}/vdrived.service)
 file(READ ${unit_dir}/vdrived.service unit)

@@ -16,9 +16,9 @@ set(vdrive_warnings
 # them on request. gcc takes longer with them.
 set(vdrive_clang_environment env GLIBC_TUNABLES=glibc.malloc.hugetlb=1)
 
-# The compiler cache is used if found. Settings beyond the defaults: this sloppiness is needed to
-# cache precompiled headers, and paths below the source tree are made relative, so that a second
-# clone of the repository starts with a warm cache.
+# The compiler cache is used if found. CCACHE_SLOPPINESS is needed to cache precompiled headers. Paths
+# below the source tree are made relative, so that a second clone of the repository starts with a warm
+# cache.
 find_program(VDRIVE_CCACHE ccache)
 if(PROJECT_IS_TOP_LEVEL AND NOT CMAKE_CXX_COMPILER_LAUNCHER)
   if(CMAKE_CXX_COMPILER_ID STREQUAL "Clang")
@@ -57,8 +57,8 @@ if(VDRIVE_SANITIZE MATCHES "thread" AND NOT CMAKE_CROSSCOMPILING_EMULATOR)
 endif()
 
 # The hardening options that Debian uses for its own programs, in optimised builds.
-# Position-independent executables are the compiler's default there. The core is built without them:
-# it processes numbers, no bytes from outside, and every tick would pay for it.
+# Position-independent executables are the default of the compiler there. The core is built without
+# these options: it processes numbers, not bytes from outside, and every tick would pay for them.
 set(vdrive_optimised $<CONFIG:RelWithDebInfo,Release>)
 set(vdrive_hardening_options -fstack-protector-strong -fstack-clash-protection)
 if(CMAKE_SYSTEM_PROCESSOR STREQUAL "x86_64")
@@ -85,7 +85,7 @@ function(vdrive_target_defaults target)
   set_target_properties(${target} PROPERTIES CXX_STANDARD_REQUIRED ON CXX_EXTENSIONS OFF)
   target_compile_features(${target} PUBLIC cxx_std_20)
   target_compile_options(${target} PRIVATE ${vdrive_ccache_options})
-  # The garbage collector of the compiler would run again and again; below 512 MiB it need not.
+  # Below 512 MiB, the garbage collector of the compiler need not run again and again.
   target_compile_options(
     ${target} PRIVATE $<$<COMPILE_LANG_AND_ID:CXX,GNU>:--param=ggc-min-heapsize=524288>)
   target_compile_definitions(${target} PRIVATE $<$<CONFIG:Debug>:_GLIBCXX_ASSERTIONS>
@@ -136,7 +136,7 @@ function(vdrive_target_defaults target)
       target_compile_definitions(${target} PRIVATE VDRIVE_WATCHES_THREADS)
     endif()
     if(target MATCHES "^vdrive_(codec|core|engine|simulation_world|wire)$")
-      # Every test uses this: the tests take a third of the time, and the build hardly longer.
+      # Every test uses these: the tests take a third of the time, and the build hardly longer.
       target_compile_options(${target} PRIVATE $<$<CONFIG:Debug>:-O1>)
     endif()
     # BUILD_INTERFACE: a program that links the library in this build needs the runtime too; an
@@ -261,25 +261,24 @@ function(vdrive_print_into file program)
 endfunction()
 
 # Tests that check wall-clock times have the label timed in addition to their own, and these
-# properties: two of them run at the same time, of the six jobs of the preset release, and before
-# all others. A machine without a free processor cannot meet such times, so .ci/run repeats a test
-# with this label that missed a deadline.
+# properties: they run before all others, and at most two at a time with the six jobs of the preset
+# release. A machine without a free processor cannot meet such times, so .ci/run repeats a test with
+# this label that missed a deadline.
 set(VDRIVE_TIMED_TEST PROCESSORS 3 COST 900)
 # Most tests over DDS wait: start them before suites of unit tests, which keep the processor busy to
 # the end.
 set(VDRIVE_DDS_TEST COST 10)
-# Start early: while others keep the machine busy, the lowest priority gets almost no time, and such
-# a test might end after all the others.
+# Start these tests early: they have the lowest priority, get almost no time while others keep the
+# machine busy, and might end after all the others.
 set(VDRIVE_CALCULATING_TEST COST 500 TIMEOUT 1800)
 find_program(VDRIVE_CHRT chrt)
 
-# The interpreter of the system, whose headers and numpy are packages: a user's own one might come
-# first in PATH and take ten times as long to start.
+# The interpreter of the system, because its headers and numpy are installed as packages. Another one
+# might come first in PATH and take ten times as long to start.
 find_program(VDRIVE_PYTHON python3 PATHS /usr/bin NO_DEFAULT_PATH)
 
 # vdrive_include_in_ctest(<name> <text>)
-# Makes ctest read the text when it starts, because only then do the files exist that builds have
-# written.
+# Makes ctest read the text when it starts, because it may refer to files that only a build writes.
 function(vdrive_include_in_ctest name text)
   set(file ${CMAKE_CURRENT_BINARY_DIR}/${name}.cmake)
   file(WRITE ${file} "${text}")

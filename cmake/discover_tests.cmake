@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 # Queries a GoogleTest program for its tests and writes its ctest cases: one per suite, and one per
-# test that is a case of its own. vdrive_add_test calls this after each build of the program.
+# test that is its own case. vdrive_add_test calls this after each build of the program.
 #
 #   cmake -D program=FILE -D emulator=COMMAND -D name=NAME -D directory=WORKING_DIRECTORY -D output=FILE
 #         -D labels=LIST -D properties=LIST -D timed=REGEX -D timed_properties=LIST -D full=REGEX
@@ -9,7 +9,7 @@
 #   timed, full   a test whose name matches is its own case, with the label timed or full
 #   each          every test is its own case
 #
-# If such a test skips itself, it counts as skipped in ctest too.
+# If a test that is its own case skips itself, ctest counts it as skipped too.
 
 execute_process(
   COMMAND ${emulator} ${program} --gtest_list_tests
@@ -52,7 +52,7 @@ macro(end_suite)
   set(others 0)
 endmacro()
 
-# A comment is the value of a test parameter: any text.
+# Removes comments, which contain the values of test parameters and so can be any text.
 string(REGEX REPLACE " +#[^\n]*" "" listed "${listed}")
 string(REGEX MATCHALL "[^\n]+" lines "${listed}")
 foreach(line IN LISTS lines)

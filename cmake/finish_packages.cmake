@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
-# Run by CPack on the staged files before it packs them: adapts what Debian's rules require beyond
-# an installation below one prefix.
+# Run by CPack on the staged files before it packs them: makes the changes that Debian's rules require
+# in addition to an installation below one prefix.
 cmake_minimum_required(VERSION 3.25)
 
 function(run)
@@ -15,14 +15,15 @@ foreach(directory ${configurations})
   file(RENAME ${directory} ${root}/etc)
 endforeach()
 
-# The installation contains the full licence, which Debian has only once, and Debian has its own
-# changelog format with a date: that of SOURCE_DATE_EPOCH (deploy/package.sh).
+# The installation contains the full licence, but Debian has its text only once, so a reference
+# replaces it. The changelog is in Debian's format, with the date of SOURCE_DATE_EPOCH
+# (deploy/package.sh).
 string(TIMESTAMP day "%a, %d %b %Y %H:%M:%S +0000" UTC)
 file(GLOB licences ${CPACK_TEMPORARY_DIRECTORY}/*/usr/share/doc/*/copyright)
 foreach(licence ${licences})
   cmake_path(GET licence PARENT_PATH documents)
   file(COPY_FILE ${CMAKE_CURRENT_LIST_DIR}/../deploy/debian/copyright ${licence})
-  # The package releases what is still unreleased in the project.
+  # Building a package releases what is still under Unreleased.
   file(READ ${CMAKE_CURRENT_LIST_DIR}/../CHANGELOG.md news)
   string(REPLACE "\n## Unreleased\n" "\n## ${CPACK_PACKAGE_VERSION}\n" news "${news}")
   file(WRITE ${documents}/NEWS "${news}")

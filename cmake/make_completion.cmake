@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
-# Generates a bash completion for a program without commands: the options in its help, otherwise
-# files.
+# Generates a bash completion for a program without commands: it offers the options in the help of
+# the program, otherwise files.
 #
 #   cmake -D PROGRAM=FILE -D OUTPUT=FILE -P make_completion.cmake
 cmake_minimum_required(VERSION 3.25)

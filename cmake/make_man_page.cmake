@@ -24,8 +24,8 @@ if(help MATCHES "--help-all")
   add_section(commands "${commands}" as_it_is)
 endif()
 
-# help2man would format the examples and what follows as one paragraph. So it gets the help up to
-# them, and they become separate sections.
+# help2man would format the examples and the text after them as one paragraph. So it gets only the
+# help before them, and they become separate sections.
 if(help MATCHES "\nExamples:\n(.*)\n\nEnvironment: ([^\n]*)\nExit codes: ([^\n]*)")
   add_section(examples "${CMAKE_MATCH_1}" as_it_is)
   add_section(environment "${CMAKE_MATCH_2}" filled)

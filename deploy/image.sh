@@ -23,7 +23,7 @@ packages=$root/build/packages
 out=$root/build/images
 names=()
 usage="usage: deploy/image.sh [--packages DIR] [--out DIR] [bench|gateway|canopen|ros2|discovery|demo ...]"
-readonly user=65532 # unused otherwise, and customary in images that run without root
+readonly user=65532 # otherwise unused, and common in images that run without root
 
 fail() {
   echo "image: $*" >&2

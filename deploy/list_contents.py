@@ -1,13 +1,14 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Writes the list of what is in packages (SPDX 2.3, JSON) next to them.
+"""Writes a list of the contents of packages (SPDX 2.3, JSON) next to them.
 
   list_contents.py BUILD LOCK DEB...
 
-BUILD is the build directory that the packages were made of, LOCK the package-lock.json of the page.
-Each package is listed with its sum. What its programs link is known from the build: a library of the
-system whose headers were compiled in is linked dynamically if a shared library of the same source
-package was linked, else all that is used of it is in the program. SOURCE_DATE_EPOCH is the date.
+BUILD is the build directory from which the packages were made, LOCK the package-lock.json of the page.
+Each package is listed with its checksum, and with the libraries that its programs use, according to the
+build. A system library whose headers were compiled in counts as linked dynamically if a shared library
+of the same source package was linked, otherwise as contained in the program. SOURCE_DATE_EPOCH is the
+date.
 """
 import base64
 import datetime
@@ -19,7 +20,7 @@ import re
 import subprocess
 import sys
 
-# The parts of the compiler and the C library in every program of the system.
+# The parts of the compiler and the C library that are in every program.
 TOOLCHAIN = re.compile(r"(libc6|linux-libc|libgcc-.*|libstdc\+\+-.*)-dev")
 
 
@@ -28,7 +29,7 @@ def output(*command):
 
 
 def depended_on(build):
-    """Return the files that the compiler has read, for each object."""
+    """Return the files that the compiler read for each object."""
     files, of_object = {}, None
     for line in output("ninja", "-C", build, "-t", "deps").splitlines():
         if line.startswith("    "):
@@ -71,7 +72,7 @@ def package(name, version, url, *, licence="NOASSERTION", place="NOASSERTION", *
 
 
 def packages_of_page(build, lock):
-    """Return what the page of the gateway bundles, if this build has a page."""
+    """Return the packages that the page of the gateway bundles, if this build has a page."""
     if not any(build.glob("clients/gateway/**/dist/index.html")):
         return []
     locked = json.loads(lock.read_text())["packages"]
@@ -93,7 +94,7 @@ def main():
     of_objects = depended_on(build)
     targets = [line.split(": ")[0] for line in output("ninja", "-C", build, "-t", "targets", "all").splitlines()
                if not line.endswith(": phony")]
-    inputs = {}  # of a package: the files of the system that were compiled in, or linked
+    inputs = {}  # by package: the system files that were compiled in or linked
     for deb in debs:
         files = set()
         for target in targets_of(deb, targets):
@@ -121,7 +122,7 @@ def main():
                 if os.path.realpath(file) in owner_of}
         shared = {source for (_, source, _), file in used.items() if ".so" in pathlib.Path(file).name}
         for library, source, its_version in sorted(used):
-            # The runtime part of a library that is linked dynamically is in Depends of the package.
+            # The package names the runtime part of a dynamically linked library in Depends.
             if TOOLCHAIN.fullmatch(library) or not library.endswith("-dev"):
                 continue
             row = package(library, its_version, f"pkg:deb/debian/{library}@{its_version}?distro={distribution}")

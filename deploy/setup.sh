@@ -45,7 +45,7 @@ packages=(
   help2man
   libboost-dev # Beast: the web servers of the metrics and the gateway; Asio: the CANopen servers
   libcli11-dev
-  libedit-dev # line editing in the shell of the tool
+  libedit-dev # line editing in `vdrive shell`
   libeigen3-dev
   "$dds_package"
   file # CPack uses it to find the files that need libraries

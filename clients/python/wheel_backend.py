@@ -1,12 +1,12 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Builds the wheel (PEP 517): CMake makes the module, the standard library packs it.
+"""Builds the wheel (PEP 517): CMake builds the module, the standard library of Python packs it.
 
-The wheel has the libraries that the module needs and that not every Linux has; the module finds them beside itself
-(INSTALL_RPATH). The DDS library is not among them: only a session over DDS loads that of the system. The tag is plain
-linux, for the Debian of the build and later ones: the wheel does not claim to suit every distribution.
+The wheel contains the libraries that the module needs and that not every Linux has, next to the module, which finds
+them there (INSTALL_RPATH). The DDS library is not included: only a session over DDS loads it, from the system. The tag
+is plain linux, because the wheel is for the Debian on which it was built and later ones, not for every distribution.
 
 Needs deploy/setup.sh --python. VDRIVE_BUILD_DIR names a configured build directory to use instead of
-that of the preset release.
+the one of the preset release.
 """
 import base64
 import hashlib
@@ -26,7 +26,7 @@ EVERYWHERE = ("ld-linux", "libc.so", "libgcc_s.so", "libm.so", "libstdc++.so", "
 
 
 def _built_package():
-    """Build the module; return the directory that has the package and its metadata."""
+    """Build the module; return the directory with the package and its metadata."""
     chosen = os.environ.get("VDRIVE_BUILD_DIR")
     if chosen:
         command = ["cmake", "--build", chosen, "--target", "vdrive_python"]
@@ -44,7 +44,7 @@ def _tag():
 
 
 def _stripped(module, work):
-    """The module without debug information, which is ten times its code."""
+    """Return the module without debug information, which is ten times as large as the code."""
     copy = pathlib.Path(work) / module.name
     shutil.copyfile(module, copy)
     subprocess.run(["strip", "--strip-unneeded", copy], check=True)
@@ -52,14 +52,14 @@ def _stripped(module, work):
 
 
 def _libraries(module):
-    """Return the paths of the libraries that the wheel has to bring."""
+    """Return the paths of the libraries that the wheel must contain."""
     text = subprocess.run(["ldd", module], check=True, capture_output=True, text=True).stdout
     found = [line.split()[::2][:2] for line in text.splitlines() if "=>" in line]
     return [pathlib.Path(path) for name, path in sorted(found) if not name.startswith(EVERYWHERE)]
 
 
 def _license(library):
-    """Return the name and the text of the licence of a library of the system."""
+    """Return the package of a system library, and the text of its licence."""
     owner = subprocess.run(["dpkg-query", "--search", library.resolve()], check=True, capture_output=True,
                            text=True).stdout
     package = owner.split(":")[0]
@@ -67,7 +67,7 @@ def _license(library):
 
 
 def _contents(package, work):
-    """Return {path in the wheel: bytes} and {package of a library in it: its licence}."""
+    """Return {path in the wheel: bytes} and {package of an included library: licence}."""
     suffix = sysconfig.get_config_var("EXT_SUFFIX")
     module = package / "vdrive" / f"_vdrive{suffix}"
     if not module.exists():

@@ -45,7 +45,8 @@ GlobalOptions network_of(const std::vector<std::string>& words) {
   return options;
 }
 
-/// Called for completion in a shell: a person waits for it, and no error is shown.
+/// Completes words for a user's shell. Gives up soon, because the user is waiting, and prints no
+/// error.
 ExitCode complete(const std::vector<std::string>& words, const std::shared_ptr<wire::LocalBus>& bus,
                   Terminal& terminal) {
   constexpr std::chrono::milliseconds kPatience{400};

@@ -4,8 +4,7 @@
 #include "vdrive/worked_for.hpp"
 
 // The failure function of the standard assert prints the invariant and its location to standard
-// error, so the core needs no output of its own. NDEBUG would hide that function in optimised
-// builds.
+// error, so the core needs no output code. NDEBUG would hide that function in optimised builds.
 #undef NDEBUG
 #include <cassert>
 

@@ -12,7 +12,7 @@ namespace {
 
 constexpr int kHexBase = 16;
 
-/// An exponent of this size is out of reach of 64 bits, however long the text is.
+/// With an exponent this large, no number is a 64-bit integer, however long its text.
 constexpr std::int64_t kLargestExponent = std::int64_t{1} << 40U;
 
 bool is_digit(char c) noexcept {
@@ -78,7 +78,7 @@ Decimal decimal_of(std::string_view text) {
   return number;
 }
 
-/// @return the digits of a number times `factor`.
+/// @return the digits of the product of the number `digits` and `factor`.
 std::string times(std::string_view digits, unsigned factor) {
   constexpr unsigned kTen = 10;
   std::string product;
@@ -163,7 +163,7 @@ IntegerReading read_integer(std::string_view text) {
   if (!parts.whole || *parts.whole > kLargest + (number.is_negative ? 1 : 0)) {
     return {.kind = IntegerKind::too_large};
   }
-  // Two's complement: the lowest number has no positive counterpart.
+  // Negated as unsigned: the lowest number has no positive counterpart.
   return {.kind = IntegerKind::whole,
           .value = static_cast<std::int64_t>(number.is_negative ? 0 - *parts.whole : *parts.whole)};
 }

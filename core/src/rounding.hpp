@@ -6,7 +6,7 @@
 
 namespace vdrive {
 
-/// Nearest integer, ties to even, without the floating-point environment; |x| < 2⁵¹.
+/// Nearest integer, ties to even, in the default rounding mode; |x| < 2⁵¹.
 [[nodiscard]] inline double nearest(double x) noexcept {
   constexpr double kRounder = 6755399441055744.0;  // 1.5·2⁵²
   return (x + kRounder) - kRounder;

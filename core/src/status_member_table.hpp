@@ -14,7 +14,6 @@
 
 namespace vdrive {
 
-/// The pointer to member `kField` of AxisStatus.
 template <std::size_t kField>
 inline constexpr auto kStatusPointer = std::get<kField>(kStatusFields).member;
 

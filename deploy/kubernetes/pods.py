@@ -66,7 +66,7 @@ def name(document):
 
 
 def replicas(document):
-    """Yield (pod, alias) as a controller would create them; one pod has the Deployment's name."""
+    """Yield (pod, alias) as a controller would create them; the first pod has the name of the Deployment."""
     spec = document["spec"]
     for index in range(spec.get("replicas", 1)):
         pod = {"apiVersion": "v1", "kind": "Pod", **copy.deepcopy(spec["template"])}

@@ -10,7 +10,7 @@
 #             viewer      clients that see everything and command nothing
 #   NAME      letters, digits, '.', '_' and '-'
 #   --days N  validity of certificate and permissions from now on, default 365
-#   --from T, --to T   the same as times in UTC, such as 2026-01-31T00:00:00
+#   --from T, --to T   the start and end of validity instead, in UTC, such as 2026-01-31T00:00:00
 #
 # Move the directory to its host and give it to `vdrived --security` or `vdrive --security`; the
 # authority stays where it is. An existing member is not replaced: remove its directory first.

@@ -36,7 +36,7 @@ struct Piece {
 struct AxisLayout {
   std::array<Piece, kStatusMembers> pieces{};
   std::size_t count = 0;        ///< of `pieces`
-  std::array<Piece, 4> gaps{};  ///< without `in_image`
+  std::array<Piece, 4> gaps{};  ///< `in_image` is not used
   std::size_t gap_count = 0;
   std::size_t size = 0;
 };

@@ -69,7 +69,7 @@ Decoding CommandDecoder::decode(std::span<const std::byte> sample, msg::Request&
   request.objects.reserve(msg::MAX_OBJECTS_PER_REQUEST);
   CdrReader reader(sample);
   reader.get(request);
-  // Nobody reads the rest of a message that is beyond a bound.
+  // A message beyond a bound is not carried out, so nothing needs its axes.
   if (!reader.beyond_bound().empty()) request.axes.clear();
   return result_of(reader);
 }

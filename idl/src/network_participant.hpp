@@ -16,8 +16,8 @@ using ParticipantMaker = std::unique_ptr<Participant> (*)(const NetworkSettings&
 /// static objects, which may create a participant.
 inline constexpr int kBeforeConstructors = 101;
 
-/// Makes participants without a local bus use `maker`. A library that has one calls this at program
-/// start, so that programs need not name it.
+/// Sets the maker of participants without a local bus. The library that has the maker calls this at
+/// program start, so that programs only need to link it.
 void provide_network_participant(ParticipantMaker maker) noexcept;
 
 /// @throws NetworkError when no library of this program provides network participants

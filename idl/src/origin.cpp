@@ -9,7 +9,7 @@
 namespace vdrive::wire {
 namespace {
 
-/// Number of forks from the first process that had an object with an origin to this one.
+/// Number of forks between the first process that created an Origin and this process.
 std::atomic<unsigned>& forks() noexcept {
   static std::atomic<unsigned> count{0};
   return count;

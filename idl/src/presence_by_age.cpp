@@ -9,7 +9,7 @@ namespace vdrive::wire {
 namespace {
 
 // Others remove a program that is silent for kPatienceWithVdrive. They count from its last
-// datagram, about 0.1 s before its pause begins.
+// datagram, up to 0.1 s before its pause begins; the rest of the 0.5 s is a margin.
 constexpr std::chrono::milliseconds kForgottenAfter =
     kPatienceWithVdrive - std::chrono::milliseconds{500};
 

@@ -54,7 +54,7 @@ Configuration read(const BenchOptions& options) {
   return configuration;
 }
 
-/// A bench in a process has no network: a network setting is an error, and is not silently ignored.
+/// A bench in a process has no network: a network setting is an error, not silently ignored.
 /// @param where start of the message: the file, or nothing
 void refuse_network(const Configuration& configuration, const std::string& where) {
   const wire::NetworkSettings defaults;
@@ -177,7 +177,7 @@ class LocalWire final : public service::BenchWire {
     counters_.wire_is_up.set(1);
   }
 
-  /// No time: the bus already knows whether a number is taken.
+  /// None: the bus already knows whether a number is taken.
   [[nodiscard]] std::chrono::milliseconds duplicate_detection_time() const noexcept override {
     return std::chrono::milliseconds{0};
   }
@@ -193,7 +193,8 @@ class LocalWire final : public service::BenchWire {
 
 }  // namespace
 
-/// Members in order of construction, so that nothing works for a bench that has ended.
+/// `work_` is the last member, so that it is destroyed first: no thread works for a bench that has
+/// ended.
 class Bench::Parts {
  public:
   Parts(Configuration configuration, service::JournalSink journal,
@@ -215,7 +216,7 @@ class Bench::Parts {
                                            [this] {
                                              return run_.has_room();
                                            }});
-    bus_->run_work(number());  // of sessions that have already found the bench
+    bus_->run_work(number());  // for sessions that have already found the bench
   }
 
   ~Parts() {

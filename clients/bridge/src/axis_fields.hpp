@@ -22,8 +22,8 @@ void for_each_published_member(const Visit& visit) {
       kStatusFields);
 }
 
-/// Calls `visit(name, field_of)` for each field per axis of a status message; `field_of(axis)`
-/// returns that field of a client::AxisSnapshot.
+/// Calls `visit(name, field_of)` for each field that a status message has for each axis;
+/// `field_of(axis)` returns that field of a client::AxisSnapshot.
 template <typename Visit>
 void for_each_axis_field(const Visit& visit) {
   visit(

@@ -25,7 +25,7 @@ class AxisJobs {
 
   using Job = std::function<void()>;
 
-  /// The limit of waiting jobs; each kind that changes the drive may exceed it by one job.
+  /// Maximum number of waiting jobs; each kind that changes the drive may exceed it by one job.
   static constexpr std::size_t kMost = 64;
 
   /// @return false if the job was refused.

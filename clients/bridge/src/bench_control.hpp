@@ -34,7 +34,7 @@ class BenchControl final : private ControlledBench {
 
   [[nodiscard]] bool is_automatic() const noexcept { return options_.is_automatic; }
 
-  /// Takes control if that is due, and then waits for the bench.
+  /// Takes control if that is due, which waits for the bench.
   /// @param axes their newest state
   /// @return their state after control was taken; nothing if it was not.
   std::optional<client::Observation> keep(std::span<const client::AxisSnapshot> axes);

@@ -12,7 +12,7 @@
 namespace vdrive::bridge {
 
 /// Follows the axes of a bench tick by tick, and starts again after the bench was lost. Time is
-/// passed as an argument; only the functions that it calls wait. For one thread.
+/// passed as an argument; only the functions of types Open and Next wait. For one thread.
 class BenchFollower {
  public:
   using Clock = std::chrono::steady_clock;
@@ -28,7 +28,7 @@ class BenchFollower {
 
   explicit BenchFollower(Open open) : open_(std::move(open)) {}
 
-  /// Starts following, unless it already is or has failed to within kRetry before `now`.
+  /// Starts following, unless it already does or an attempt failed less than kRetry before `now`.
   /// @return whether this call has started it.
   bool open(Clock::time_point now);
 

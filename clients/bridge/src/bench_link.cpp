@@ -13,9 +13,8 @@ using std::chrono::milliseconds;
 // nothing.
 constexpr milliseconds kLongestFollow{10};
 
-// A stream delivers nothing in its first milliseconds. In lock-step the state is therefore also
-// requested during this time: a step may end before the stream delivers, and perhaps no tick
-// follows.
+// A new stream delivers nothing at first. In lock-step the state is therefore also requested for
+// this long: a step may end before the stream delivers, and perhaps no tick follows.
 constexpr std::chrono::seconds kOpeningOfStream{2};
 constexpr milliseconds kAskAgainAfter{100};
 
@@ -52,7 +51,7 @@ void BenchLink::run(const std::stop_token& stop) {
       continue;
     }
     adapter_.before_turn(*this);
-    // If a client asks for control, it gets it even while time stands still. Otherwise acquire only
+    // A client that asks for control gets it even while time stands still. Otherwise acquire only
     // with a new state: a refusal is an event for all clients of the bench.
     if (newest_ && !control_.is_automatic()) {
       if (auto held = control_.keep(newest_->axes)) show(std::move(*held));
@@ -77,7 +76,8 @@ client::Result<BenchFollower::Next> BenchLink::begin() {
   if (!next) return next;
   auto now = session_.observe(ids_);
   if (!now) return now.outcome();
-  // Start listening for names, so that a session that gets in the way later has a name immediately.
+  // Start listening for names, so that the name of a session that gets in the way later is known
+  // immediately.
   (void)session_.known_name(bench_, 0);
   is_stepped_ = info->clock_mode == client::ClockMode::lockstep;
   opened_ = Clock::now();
@@ -139,7 +139,7 @@ void BenchLink::post_next(Worker& worker, std::size_t place) {
   });
 }
 
-/// Runs the oldest job of an axis; the next one waits for jobs of other axes.
+/// Runs the oldest job of an axis and queues the next one after the jobs of other axes.
 void BenchLink::work(Worker& worker, std::size_t place) {
   AxisJobs::Job job;
   {

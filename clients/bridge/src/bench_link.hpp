@@ -46,14 +46,14 @@ class BenchAdapter {
   /// The bench is silent or has ended.
   virtual void on_lost() = 0;
 
-  /// Called before each check of the bench, which takes at most 10 ms, to pass requests to the
+  /// Called before each wait for a new state, which takes at most 10 ms, to pass requests to the
   /// link.
   virtual void before_turn(BenchLink& /*link*/) {}
 };
 
 /// The connection to a bench whose clock others advance: its threads follow the axes, keep control
-/// of them, send set-points and run jobs. All calls that wait for the bench are made there. The
-/// destructor waits for the call in progress.
+/// of them, send set-points and run jobs. Only these threads wait for the bench. The destructor
+/// waits for the call in progress.
 class BenchLink final {
  public:
   using Job = std::function<void(client::Axis& axis)>;
@@ -86,8 +86,8 @@ class BenchLink final {
   /// @return the number of frames dropped so far.
   [[nodiscard]] std::uint64_t dropped_frames() const;
 
-  /// Reports the failure of a call to the bench. A lost bench is reported as such, and a program
-  /// that is ending reports nothing.
+  /// Reports the failure of a call to the bench, unless the bench was lost (BenchAdapter::on_lost)
+  /// or the program is ending.
   void report(const client::Outcome& outcome, const std::string& subject,
               const std::string& what = "");
 

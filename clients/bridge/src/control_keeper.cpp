@@ -77,7 +77,7 @@ bool ControlKeeper::is_due(std::span<const AxisSnapshot> axes, Clock::time_point
   return now >= due_;
 }
 
-/// Detects that control was gained or lost.
+/// Notes whether this session has control, and reports its loss.
 void ControlKeeper::note_owner(std::span<const AxisSnapshot> axes) {
   if (!has_just_lost(axes)) return;
   // Without the lock: getting the name may take time.

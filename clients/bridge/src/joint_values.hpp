@@ -13,7 +13,7 @@ namespace vdrive::bridge {
 /// Conversion factors from the user units of an axis.
 struct JointScale {
   double si_per_user_unit = 1.0;  ///< [rad or m] per user unit: si_per_user_unit()
-  /// [N.m or N] per 1 ‰ of the rated torque: effort_per_mille(). NaN until it was read.
+  /// [N.m or N] per 1 ‰ of the rated torque: effort_per_mille(). NaN until the rating is known.
   double effort_per_mille = std::numeric_limits<double>::quiet_NaN();
 };
 
@@ -37,7 +37,7 @@ struct TorqueRating {
   std::int64_t gear_ratio_denominator = 1;  ///< 3577h [motor revolutions]
 };
 
-/// @return 1 ‰ of the rated torque, converted to the place where 6064h is measured, without
+/// @return 1 ‰ of the rated torque, referred to the place where 6064h is measured, without
 ///         friction: [N.m] for a rotary axis, [N] for a linear one.
 [[nodiscard]] double effort_per_mille(const Unit& unit, const TorqueRating& rating);
 

@@ -76,7 +76,7 @@ class SchemaText {
     fields_.append(type).append(" ").append(name).append("\n");
   }
 
-  /// @return such as "uint16" or "uint16[]".
+  /// @return a type such as "uint16" or "uint16[]".
   template <typename Value>
   std::string type_of() {
     if constexpr (wire::CdrNumber<Value>) {
@@ -192,7 +192,7 @@ constexpr auto kLog = [](auto& field, const client::Event& event, std::string_vi
   field("level", log_level(event.kind));
   field("message", event_text(event));
   field("name", name);
-  // Log panels filter by file: use the kind of the event.
+  // Log panels filter by file, so `file` has the kind of the event.
   field("file", to_string(event.kind));
   field("line", std::uint32_t{0});  // no line
 };

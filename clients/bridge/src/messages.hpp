@@ -45,8 +45,8 @@ struct MessageSchema {
 /// @return the readable text of an event, with the number of equal ones suppressed before it.
 [[nodiscard]] std::string event_text(const client::Event& event);
 
-/// foxglove.JointStates: rad, rad/s and N.m, or m, m/s and N. The status has no acceleration, and
-/// the schema has no optional fields: it is NaN.
+/// foxglove.JointStates: rad, rad/s and N.m, or m, m/s and N. The acceleration is NaN: the status
+/// has none, and the schema has no optional fields.
 [[nodiscard]] MessageSchema joint_states_schema();
 
 /// Consecutive ticks of one axis.

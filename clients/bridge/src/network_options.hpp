@@ -37,7 +37,7 @@ inline CLI::Option* add_domain_option(CLI::App& app, std::optional<std::uint32_t
 }
 
 /// Declares the options that select the network of `session`, except the domain.
-/// @param interface_option another name, for programs with other interfaces too
+/// @param interface_option another name for --interface, for programs with other interfaces too
 inline void add_network_options(CLI::App& app, client::SessionOptions& session,
                                 const std::string& interface_option = "--interface") {
   app.add_option(interface_option, session.interfaces,

@@ -38,8 +38,8 @@ class BenchHost {
                                        const client::BenchInfo& found) const = 0;
 
   /// Starts serving a bench.
-  /// @return why it cannot be served, if so; then the bench is left out, and offered again as long
-  ///         as it is there, because another one may have freed what it needs.
+  /// @return nothing, or why the bench cannot be served. It is then left out, and added again at
+  ///         each take() while it is there, because another bench may have freed what it needs.
   virtual std::optional<std::string> add(const client::BenchInfo& bench) = 0;
 
   /// The bench is left out; called once per reason.

@@ -6,14 +6,14 @@
 
 namespace vdrive::bridge {
 
-/// Opens each closed standard stream; call this first in a program. Otherwise a socket or a file
-/// would get the number of a stream and be read or written as if it were that stream. Standard
-/// input is then at its end; writing to the others fails.
+/// Opens each closed standard stream; call this first in a program. Standard input is then at its
+/// end, and writing to the others fails. Otherwise a socket or a file would get the number of a
+/// closed stream and be read or written as if it were that stream.
 inline void open_standard_streams() noexcept {
   for (int stream = STDIN_FILENO; stream <= STDERR_FILENO; ++stream) {
     // NOLINTNEXTLINE(*-vararg): the only interface there is
     if (fcntl(stream, F_GETFD) >= 0) continue;
-    // The lowest free number is this one. Read-only, because a write must fail.
+    // open() takes the lowest free number, this one. Read-only, because a write must fail.
     // NOLINTNEXTLINE(*-vararg): the only interface there is
     static_cast<void>(open("/dev/null", O_RDONLY));
   }

@@ -14,7 +14,7 @@ namespace vdrive::bridge {
 [[nodiscard]] std::string bench_topic(std::uint32_t bench);
 
 /// The part of a topic that names an axis: letters, digits and _. If two axes of a bench would have
-/// the same name, the number is appended to the second one.
+/// the same name, the second one has its number appended.
 /// @param axes all axes of a bench
 /// @return one name per axis, in their order
 [[nodiscard]] std::vector<std::string> topic_names(std::span<const client::AxisInfo> axes);

@@ -16,7 +16,7 @@ namespace vdrive::bridge {
 /// thread has to wait. The thread starts with the first job.
 class Worker {
  public:
-  /// Most waiting jobs: a client that sends faster than its bench answers is told so.
+  /// Maximum number of waiting jobs: a client that sends faster than its bench answers is told so.
   static constexpr std::size_t kMostJobs = 64;
 
   /// @param most_jobs that may wait

@@ -91,7 +91,7 @@ bool give(int descriptor, int number) {
 
 /// Runs in the child.
 bool give_all(const Streams& streams) {
-  // Input first: its descriptor may have a number that one of the other streams takes.
+  // Input first: its descriptor may have the number of another stream, which would overwrite it.
   if (!give(streams.input, STDIN_FILENO)) return false;
   if (streams.are_shared) return give(streams.output, kChildResults);
   return give(streams.output, STDOUT_FILENO) && give(streams.errors, STDERR_FILENO);
@@ -143,8 +143,8 @@ pid_t start(std::vector<std::string> command, std::vector<std::string> changes,
   return child;
 }
 
-/// @return a handle of the child. Without a handle nobody could end the child, so it is killed
-///         then.
+/// @return a handle of the child. If there is none, nothing could end the child later, so it is
+///         killed.
 int handle_of(pid_t child) {
   const int handle = pidfd_open(child, 0);
   if (handle >= 0) return handle;

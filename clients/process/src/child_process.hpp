@@ -66,10 +66,10 @@ class ChildProcess {
   /// Sends SIGTERM, and SIGKILL if it has not ended after `patience`.
   void stop(std::chrono::milliseconds patience);
 
-  /// Readable once the program has ended.
+  /// @return a descriptor that becomes readable when the program has ended.
   [[nodiscard]] int descriptor() const noexcept { return handle_.get(); }
 
-  /// Its output so far; with shared streams, the text written to kChildResults, and no errors.
+  /// The output so far; with shared streams, the text written to kChildResults, and no errors.
   [[nodiscard]] std::string output() const;
   [[nodiscard]] std::string errors() const;
 

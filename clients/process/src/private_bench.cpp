@@ -25,11 +25,11 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-// Generous, because a busy machine may start many of them at the same time.
+// Generous, because a busy machine may start many services at the same time.
 constexpr std::chrono::seconds kStart{60};
 constexpr std::chrono::seconds kEnd{5};
 
-/// The notification socket of a service manager, with a name chosen by the system.
+/// A notification socket like that of a service manager, with a name chosen by the system.
 int open_notifications() {
   const int receiver = socket(AF_UNIX, SOCK_DGRAM | SOCK_CLOEXEC, 0);
   sockaddr_un address{};
@@ -107,7 +107,7 @@ std::optional<std::string> PrivateBench::wait_until_ready() {
   return "the service did not start in time";
 }
 
-/// Its error output, or how it ended without any.
+/// The error output of the service, or how it ended without any.
 std::string PrivateBench::reason() {
   std::string errors = without_line_end(service_.errors());
   if (!errors.empty()) return errors;

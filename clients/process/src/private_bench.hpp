@@ -19,7 +19,7 @@ class PrivateBench {
  public:
   /// @param service path of vdrived
   /// @param arguments further arguments, such as those of its clock
-  /// @param domain of the benches that it should meet; nothing = one that no other program uses
+  /// @param domain of the benches that it should find; nothing = one that no other program uses
   /// @throws std::system_error, std::runtime_error
   PrivateBench(const std::string& service, const std::vector<std::string>& arguments,
                std::optional<std::uint32_t> domain = std::nullopt);
@@ -38,7 +38,7 @@ class PrivateBench {
 
   [[nodiscard]] bool has_ended() { return service_.wait(std::chrono::milliseconds(0)).has_value(); }
 
-  /// Ends it, and the wait above, immediately. Any thread.
+  /// Ends the service, and with it wait_until_ready(), immediately. Any thread.
   void end() const noexcept { service_.send(SIGTERM); }
 
  private:

@@ -131,7 +131,7 @@ std::size_t others(const Holders& holders, uid_t user, std::uint32_t domain) {
   return count;
 }
 
-/// Shares the domain with a user who has too many of them, and with nobody else.
+/// Shares the domain with a user who has too many domains, and with nobody else.
 int claim_beside(uid_t squatter, std::uint32_t domain) {
   if (others(holders_of_domains(), squatter, domain) != 0) return -1;
   const int claimed = claim(domain, true);

@@ -9,7 +9,7 @@
 namespace vdrive::process {
 
 /// A DDS domain that no other program of any user on this machine uses. This object holds the port
-/// at which participants of the domain announce themselves, and by which they meet. The port is
+/// at which participants of the domain announce themselves, and so find each other. The port is
 /// free again when the process has ended, however it ended.
 class PrivateDomain {
  public:

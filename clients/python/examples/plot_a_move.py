@@ -3,7 +3,7 @@
 #
 # # A move, plotted
 #
-# A script in cells, for an editor that runs them one by one, or as a whole:
+# A script in cells: run it cell by cell in an editor, or as a whole:
 #
 #     plot_a_move.py [FILE.svg]
 #
@@ -19,7 +19,7 @@ matplotlib.use("svg")
 import matplotlib.pyplot as plt
 import vdrive
 
-# The file must not depend on when and where it was drawn.
+# The file must not depend on the time and the machine.
 matplotlib.rcParams["svg.hashsalt"] = "vdrive"
 matplotlib.rcParams["font.family"] = "DejaVu Sans"
 
@@ -28,7 +28,7 @@ bench = vdrive.Bench()
 session = bench.session()
 free, loaded = session.axis("1.1"), session.axis("1.2")
 
-# %% The second axis gets a load of 1.5 N.m from the middle of the move on.
+# %% From the middle of the move, the second axis has a load of 1.5 N.m.
 for axis in (free, loaded):
     axis.enable()
     axis.start_move(8192, velocity=20000, acceleration=100000, deceleration=60000)

@@ -1,11 +1,11 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""A controller of your own, which sends positions ahead.
+"""A master of your own that sends positions ahead of time.
 
     set_points.py [local|dds]
 
-Each position is sent for the tick in which it is in force (cyclic synchronous position, 6060h = 8).
-No call waits for an answer: the status shows what became of the set-points, the events why one was
+Each position is sent for the tick in which it takes effect (cyclic synchronous position, 6060h = 8).
+No call waits for an answer: the status shows the effect of the set-points, events tell why one was
 refused. In lock-step each run prints the same numbers.
 """
 import math
@@ -19,7 +19,7 @@ DISTANCE = 4096  # UU
 
 
 def offset_at(tick):
-    """A smooth way of DISTANCE: at rest at both ends."""
+    """Return a point of a smooth path over DISTANCE, which starts and ends at rest."""
     return round(DISTANCE * (1 - math.cos(math.pi * tick / TICKS)) / 2)
 
 
@@ -28,7 +28,7 @@ def main():
     with vdrive.Bench(axes=1, over=over) as bench, bench.session() as session:
         axis = session.axis("1.1")
         axis.enable()
-        # The mode changes while the axis is at rest; the axis follows from its first position on.
+        # The mode changes only while the axis is at rest. The path starts where the axis is then.
         mode = vdrive.OperatingMode.CYCLIC_SYNCHRONOUS_POSITION
         session.send_set_points({1: {"op_mode_cmd": mode}})
         start = axis.wait_until(lambda status: status.op_mode_actual == mode, timeout=1)
@@ -38,7 +38,7 @@ def main():
             for tick in range(sent + 1, sent + AHEAD + 1):
                 session.send_set_points({1: {"position_user_target_value": start.demand + offset_at(tick)}},
                                         tick=start.tick + tick)
-            demands = follower.take(AHEAD)["position_demand_value"][:, 0]  # one step each
+            demands = follower.take(AHEAD)["position_demand_value"][:, 0]  # steps one tick per sample
             wanted = [start.demand + offset_at(sent + 1 + place) for place in range(AHEAD)]
             missed += int((demands != wanted).sum())
         session.wait(0.2)

@@ -1,13 +1,13 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""A gantry of two benches in one clock.
+"""A gantry of two benches on one clock.
 
     two_benches.py [local|dds]
 
-Each beam has a bench of its own, as each has a control cabinet of its own. One session meets both, a
-step clock passes the same drive time on both, and a group moves an axis of each on a straight line:
-both arrive on one tick. In lock-step each run prints the same numbers, in this process (local, the
-default) and with two services over DDS.
+Each beam has its own bench, as each has its own control cabinet. One session finds both, a step clock
+lets the same drive time pass on both, and a group moves one axis of each along a straight line: both
+arrive in one tick. In lock-step each run prints the same numbers, in this process (local, the default)
+and with two services over DDS.
 """
 import sys
 
@@ -32,7 +32,7 @@ with vdrive.Bench(axes=1, over=over) as left, \
     gantry.move_together([8192, 8192], progress=note)
     print("positions:", gantry.status().actual.tolist(), "widest gap of the demands:", widest)
 
-    # A fault of one beam stops the other: the group monitors both benches.
+    # A fault of one beam stops the other, because the group monitors both benches.
     session.axis("2.1").disturb("over_current")
     try:
         gantry.move_together([0, 0])

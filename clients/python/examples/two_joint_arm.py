@@ -1,17 +1,17 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""A two-joint arm whose dynamics are in Python, on two axes in lock-step.
+"""A two-joint arm with its dynamics computed in Python, on two axes in lock-step.
 
-Each tick this program takes the angles and speeds of the joints, calculates the torques that the arm
-asks for (inertia, Coriolis and centrifugal forces, gravity) and puts them on the shafts of the axes
-as their load (5E00h). Two balances are checked at every tick against their closed forms:
+In each tick this program takes the angles and speeds of the joints, calculates the torques that the arm
+needs (inertia, Coriolis and centrifugal forces, gravity) and applies them to the shafts of the axes as
+load (5E00h). In each tick it checks two energy balances against closed forms:
 
   arm     work of the shafts on the arm  =  change of its kinetic and potential energy
-  drives  work of the motors  =  the same, the energy of the rotors, and friction
+  drives  work of the motors  =  the same, plus the energy of the rotors and the friction losses
 
     two_joint_arm.py        runs twice, compares every bit, prints the balances
 
-Exit code 0: both balances hold to 2 % of the energy that moved, and both runs are the same.
+Exit code 0: both balances hold to within 2 % of the energy that moved, and both runs are identical.
 """
 import hashlib
 import math
@@ -43,7 +43,7 @@ BENCH = "bench: {name: arm}\naxes:\n" + "".join(f"""\
 
 
 class Arm:
-    """Two rods of equal mass density; both angles are 0 when it hangs, the second is relative."""
+    """Two uniform rods. Both angles are 0 when the arm hangs; the second is relative to the first rod."""
 
     def __init__(self, masses=(1.5, 1.0), lengths=(0.4, 0.3)):
         (self.m1, self.m2), (self.l1, self.l2) = masses, lengths
@@ -58,7 +58,7 @@ class Arm:
         return numpy.array([[first, second + coupling], [second + coupling, second]])
 
     def torque(self, q, speed, acceleration):
-        """What the shafts have to give for this motion, in N.m."""
+        """The torques that the shafts must deliver for this motion, in N.m."""
         bend = self.m2 * self.l1 * self.c2 * math.sin(q[1])
         coriolis = numpy.array([-bend * (2 * speed[0] * speed[1] + speed[1]**2), bend * speed[0]**2])
         outer = self.m2 * self.c2 * math.sin(q[0] + q[1])
@@ -74,7 +74,7 @@ class Arm:
 
 
 class Balance:
-    """Work that was done, tick by tick, and the energies that it has to be."""
+    """The work done so far, and the energies that it must equal."""
 
     def __init__(self, arm, q, speed):
         self.arm, self.q, self.speed = arm, q, speed
@@ -83,7 +83,7 @@ class Balance:
         self.highest = self.worst_of_arm = self.worst_of_drives = 0.0
 
     def add(self, q, speed, on_arm, of_motors):
-        """A tick: the torques held during it, at the joints."""
+        """Add a tick. on_arm, of_motors: the torques during the tick, at the joints."""
         way, middle = q - self.q, (speed + self.speed) / 2
         self.on_arm += on_arm @ way
         self.of_motors += of_motors @ way
@@ -120,14 +120,14 @@ def swing(arm, session):
         group.move_together(numpy.rint(numpy.array(degrees) / 360 * 4096), until="in_force")
         for sample in session.follow(axes):
             frame = sample.array()
-            # Only these members: the owner is the number of the session, which is random.
+            # Without the owner, which is a random session number.
             for name in MOTION:
                 bits.update(frame[name].tobytes())
             q = frame["load_position_actual_value"] / UNITS
             speed = frame["load_velocity_actual_value"] / UNITS
             balance.add(q, speed, torque,
                         frame["torque_actual_value"] / 1000 * RATED_TORQUE * GEAR)
-            # Speeds are in whole user units per second: their slope over 10 ms has little noise.
+            # Speeds are whole user units per second, so the acceleration is the slope over 10 ms.
             speeds = (speeds + [speed])[-11:]
             acceleration = (speed - speeds[0]) / (PERIOD * max(1, len(speeds) - 1))
             torque = arm.torque(q, speed, acceleration)

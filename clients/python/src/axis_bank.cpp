@@ -38,7 +38,7 @@ namespace {
 /// Axis-ticks between two checks for signals: some 10 ms.
 constexpr std::int64_t kAxisTicksAtOnce = 262'144;
 
-/// Numbers of axes, or values; converted by the package.
+/// Axis numbers, or values, already converted by the package.
 using Integers = py::array_t<std::int64_t, py::array::c_style>;
 
 /// The start of a snapshot. The state of the bank follows.
@@ -75,7 +75,7 @@ std::uint64_t check_of(SnapshotHead head, std::string_view state) {
       .cast<std::uint64_t>();
 }
 
-/// @return a number that differs if a bank is constructed differently.
+/// @return a checksum of the arguments from which a bank is constructed.
 std::uint64_t check_of(std::span<const AxisConfiguration> axes) {
   std::string content;
   for (const AxisConfiguration& axis : axes) {
@@ -138,7 +138,8 @@ class PyAxisBank {
 
   [[nodiscard]] std::uint64_t tick() const noexcept { return tick_; }
 
-  /// @return the images in the memory of the bank; `self` is the Python object of this bank.
+  /// @return a view of the status images in the memory of the bank; `self` is the Python object of
+  ///         this bank.
   [[nodiscard]] py::array status(const py::object& self) const;
 
   /// @return the tick.
@@ -322,7 +323,8 @@ void set_load_noise(PyAxisBank& self, const std::optional<Integers>& axis, doubl
 
 // ---- construction ------------------------------------------------------------------------------
 
-/// The two words accepted for a key of the model, as in a configuration of the service.
+/// @return the choice that `value` names: a key of the model accepts two words, as in a
+///         configuration of the service.
 template <typename Choice>
 Choice choice_of(const std::string& key, const py::handle& value,
                  const std::array<Choice, 2>& choices) {

@@ -14,7 +14,7 @@ namespace vdrive::python {
 
 using process::made_here;
 
-/// The process that created an object; checks raise the Python exception.
+/// The process that created an object; its check raises the Python exception.
 class Origin : public process::Origin {
  public:
   /// Call with the interpreter lock.
@@ -36,8 +36,8 @@ void leave(Value&& value) noexcept {
 /// @throws py::error_already_set with vdrive.Forked if a parent process had a session
 void require_dds();
 
-/// A process forked after the first DDS session then exits without running the destructors of
-/// statics.
+/// Makes each process that is forked after the first DDS session exit without running the
+/// destructors of statics.
 void watch_forks();
 
 }  // namespace vdrive::python

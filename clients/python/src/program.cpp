@@ -28,7 +28,7 @@ class OwnProgram {
           return std::make_unique<process::ChildProcess>(command, environment);
         }) {}
 
-  /// Its text so far on standard output, and on standard error.
+  /// @return what the program has written so far to standard output, and to standard error.
   [[nodiscard]] py::bytes output() const { return {get().output()}; }
 
   [[nodiscard]] py::bytes errors() const { return {get().errors()}; }

@@ -80,7 +80,7 @@ class PySession {
   /// Closes `dependent` before the session; immediately if the session is already closed.
   void adopt(const std::shared_ptr<Dependent>& dependent);
 
-  /// As those of the session; no effect after close(). Any thread.
+  /// As Session::interrupt() and end_interrupt(); no effect after close(). Any thread.
   void interrupt() noexcept;
   void end_interrupt() noexcept;
 
@@ -98,7 +98,7 @@ class PySession {
 
  private:
   const Origin origin_;
-  mutable std::mutex mutex_;  ///< must not ask for the interpreter lock while holding it
+  mutable std::mutex mutex_;  ///< never ask for the interpreter lock while holding it
   std::shared_ptr<void> bench_;
   std::shared_ptr<client::Session> session_;
   std::vector<std::thread::id> callers_;  ///< the thread of each Use
@@ -157,8 +157,8 @@ auto waiting(const SharedPySession& py_session, const Call& call) {
       });
 }
 
-/// As waiting(), but without a signal watch if `ends_by_itself(session)`: no interrupt would end
-/// the call, and the system calls of the watch take as long as a step.
+/// As waiting(), but without a signal watch if `ends_by_itself(session)`: an interrupt does not end
+/// such a call, and the system calls of the watch take as long as a step.
 /// @param ends_by_itself called with the interpreter lock, must not wait
 template <typename Ask, typename Call>
 auto waiting_unless(const Ask& ends_by_itself, const SharedPySession& py_session,

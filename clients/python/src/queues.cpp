@@ -24,14 +24,14 @@ using client::Outcome;
 using client::OutcomeKind;
 using client::Session;
 
-// Interval in which a thread checks whether it must end.
+// Interval at which a thread checks whether it must end.
 constexpr std::chrono::milliseconds kSlice{100};
 constexpr std::chrono::milliseconds kPause{10};
 
 // Longer than any program runs.
 constexpr std::chrono::seconds kWithoutTimeout{1'000'000'000};
 
-/// Waits for kPause; ends early with the thread, for example when its session is closed.
+/// Waits for kPause, or until the thread must end, for example because its session is closed.
 void rest(const std::stop_token& stop) {
   std::mutex mutex;
   std::condition_variable_any never;
@@ -43,7 +43,7 @@ void rest(const std::stop_token& stop) {
 
 using Timeout = std::optional<std::int64_t>;  // [ns] nothing: unlimited
 
-/// Called by Python on a queue of either kind.
+/// Takes items from a queue of any kind, for Python.
 template <typename Source, typename Item>
 std::deque<Item> take(Source& source, std::size_t most, Timeout timeout) {
   const std::chrono::nanoseconds patience =
@@ -70,7 +70,8 @@ std::deque<Item> take(Source& source, std::size_t most, Timeout timeout) {
   return items;
 }
 
-/// @return whether the program has closed it and nothing is left; any other end is raised.
+/// @return whether the program has closed the queue and nothing is left; take() raises any other
+///         end.
 template <typename Source>
 bool is_closed(Source& source) {
   const auto outcome = source.queue().ended();

@@ -44,8 +44,8 @@ class Queue {
     notify();
   }
 
-  /// Ends the queue with its source.
-  /// @param why its outcome, failed after an error
+  /// Ends the queue because its source has ended.
+  /// @param why the outcome of the source; failed after an error
   void end(client::Outcome why) {
     const std::scoped_lock lock(mutex_);
     if (has_ended_) return;
@@ -67,7 +67,7 @@ class Queue {
   }
 
   /// Waits until there is an item, at most for `patience`.
-  /// @return up to `most` of the oldest; empty also if the source has ended.
+  /// @return the oldest items, up to `most`; also empty if the source has ended.
   std::deque<Item> take(std::size_t most, std::chrono::nanoseconds patience) {
     std::unique_lock lock(mutex_);
     changed_.wait_for(lock, patience, [this] {
@@ -179,8 +179,8 @@ class ReportQueue final : public Dependent {
   std::optional<client::StatusReports> reports_;
 };
 
-/// The reports of a session to its single observer of a kind: a new queue replaces the previous
-/// one, which ends.
+/// Reports of which a session has only one observer, such as events: a new queue replaces the
+/// previous one, which ends.
 template <typename Item>
 class ReportedQueue final : public Dependent {
  public:

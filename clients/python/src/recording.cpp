@@ -94,7 +94,7 @@ py::tuple read_recording(const std::string& path) {
   return py::make_tuple(loaded.contents.cut, benches);
 }
 
-/// A recording of one bench, in the program's form.
+/// A recording of one bench that a program wants to save.
 struct Saved {
   recording::RecordedBench bench;
   client::Observation sample;  ///< its axes have their addresses set

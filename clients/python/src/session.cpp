@@ -95,8 +95,8 @@ struct PyFollower {
   std::size_t given = 0;  ///< samples of `kept` already returned
 
   /// The share of the remaining samples for one call; another thread may call at the same time.
-  /// Guarded by the interpreter lock. At its end, samples not received are returned to the
-  /// remaining ones.
+  /// Guarded by the interpreter lock. The destructor gives samples that were not received back to
+  /// the remaining ones.
   class Share {
    public:
     /// @param size at most the remaining number
@@ -156,7 +156,7 @@ struct PyFollower {
     return taken;
   }
 
-  /// Does not return to the interpreter between samples: a signal ends the wait for one of them.
+  /// Does not return to the interpreter between samples; a signal ends the wait for a sample.
   py::array take(std::uint64_t most) {
     if (count_kept() > 0) return take_kept(most);
     const std::uint64_t count = std::min(most, left.value_or(most));

@@ -133,7 +133,7 @@ int set_wakeup_file(int file) {
   return py::reinterpret_steal<py::int_>(before).cast<int>();
 }
 
-/// Tries to restore it. Preserves a pending exception.
+/// Tries to restore the wakeup file. Preserves a pending exception.
 bool restore_wakeup_file(int file) noexcept {
   try {
     const py::error_scope on_its_way;
@@ -144,8 +144,9 @@ bool restore_wakeup_file(int file) noexcept {
   }
 }
 
-/// Properties of the calling thread. Cached, because every call needs them: without a cache, these
-/// and the process of the watcher took five of eight system calls, 1 us each on a virtual machine.
+/// Properties of the calling thread. Cached, because every call needs them: without a cache, five
+/// of the eight system calls of a call, 1 us each on a virtual machine, only looked up these
+/// properties and the process of the watcher.
 struct CallingThread {
   const Origin origin{};
   const bool is_main = gettid() == getpid();

@@ -45,8 +45,8 @@ class SignalWatch {
   bool is_on_ = false;
 };
 
-/// To be called in a forked process: its signals are not for its parent. Needs the interpreter
-/// lock.
+/// To be called in a forked process, so that its signals do not reach the parent. Needs the
+/// interpreter lock.
 void forget_signals_of_parent();
 
 }  // namespace vdrive::python

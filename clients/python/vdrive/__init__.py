@@ -10,8 +10,8 @@
         axis.move_to(10000, velocity=20000)
         print(axis.status().position)
 
-Positions are user units (UU) of the axis, times are seconds. Calls that wait release the
-interpreter lock and end on Ctrl-C. What fails raises an Error, with `code` and text.
+Positions are in user units (UU) of the axis, times in seconds. Calls that wait release the
+interpreter lock and end on Ctrl-C. A call that fails raises an Error, with a code and a text.
 """
 from __future__ import annotations
 
@@ -54,7 +54,7 @@ from ._streams import (
 )
 from ._values import AxisInfo, BenchInfo, Event, Lateness, ServiceChange, Unit
 
-TYPE_CHECKING = False  # as typing.TYPE_CHECKING: reading that module takes time
+TYPE_CHECKING = False  # as typing.TYPE_CHECKING, without the time to import typing
 if TYPE_CHECKING:
     from typing import Any
 
@@ -66,7 +66,7 @@ else:
     _ENUMS = ("ErrorCode", "OperatingMode", "PowerState", "Reason", "Statusword")
 
     def __getattr__(name):
-        """Make what is asked for: reading enum, and the buses of CANopen, takes time."""
+        """Import enumerations and the CANopen module on first use: importing them takes time."""
         if name == "canopen":
             import importlib
 
@@ -85,7 +85,7 @@ __version__: str = _vdrive.__version__
 
 
 def default_domain() -> int:
-    """Return the DDS domain that VDRIVE_DOMAIN names, 0 when it is not set."""
+    """Return the DDS domain in VDRIVE_DOMAIN, 0 when it is not set."""
     return _vdrive.default_domain()
 
 

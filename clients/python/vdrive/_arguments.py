@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 # mypy: disable-error-code="no-any-return"
-"""What a program gives, checked: an error names the argument, its value and what it must be."""
+"""Checks of arguments: an error names the argument, its value and what it must be."""
 from __future__ import annotations
 
 import math
@@ -8,7 +8,7 @@ import operator
 
 from . import _vdrive
 
-TYPE_CHECKING = False  # as typing.TYPE_CHECKING: reading that module takes time
+TYPE_CHECKING = False  # as typing.TYPE_CHECKING, without the time to import typing
 if TYPE_CHECKING:
     from typing import Any, Callable, Literal, NoReturn, SupportsFloat, SupportsIndex
 
@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     PaceSpec = Literal["drive", "observe"]
     KeepAliveSpec = Literal["own_thread", "user_frames"]
 
-MOST = 2**63 - 1  # of counts
+MOST = 2**63 - 1  # largest count
 _LONGEST = 3_200_000_000  # [s] 100 years: longer than any wait, and fits in nanoseconds
 _SHOWN = 64  # characters of a value
 
@@ -45,15 +45,15 @@ class Handle:
 
 
 def shown(value: object) -> str:
-    """Return the value as a program writes it, shortened, in one line."""
+    """Return the value as a program would write it, shortened, on one line."""
     text = "".join(each if each.isprintable() else ascii(each)[1:-1] for each in repr(value))
     return text if len(text) <= _SHOWN else f"{text[:_SHOWN - _SHOWN // 4]}...{text[-_SHOWN // 4:]}"
 
 
 def is_number(value: object) -> bool:
-    """Whether it is one number: no truth value, not of numpy either, and no array.
+    """Return whether the value is a single number, not a truth value (of numpy either) or an array.
 
-    Bits of an enumeration have a length, and are numbers.
+    Bits of an enumeration have a length, but are numbers.
     """
     if type(value).__name__ in ("bool", "bool_"):
         return False
@@ -62,7 +62,7 @@ def is_number(value: object) -> bool:
 
 
 def real(name: str, value: Any, unit: str = "") -> float:
-    """Return the number, which may be infinite or none."""
+    """Return the number, which may be infinite or NaN."""
     if not is_number(value):
         raise TypeError(f"{name} = {shown(value)}: must be a number{unit and ' of ' + unit}")
     try:
@@ -72,7 +72,7 @@ def real(name: str, value: Any, unit: str = "") -> float:
 
 
 def _rounded(number: float) -> int | None:
-    """Return the nearest whole number, of two the one that is further from 0."""
+    """Return the nearest whole number, halves away from 0; None for infinity and NaN."""
     if not math.isfinite(number):
         return None
     whole = math.trunc(number)
@@ -81,9 +81,9 @@ def _rounded(number: float) -> int | None:
 
 def whole(name: str, value: Any, lowest: int = 0, highest: int = MOST, unit: str = "",
           given: tuple[str, float] | None = None) -> int:
-    """Return a whole number of this range, which is in `unit`.
+    """Return a whole number in this range, whose limits are in `unit`.
 
-    given: the unit in which the program gives it and its size; then it is rounded.
+    given: name and size of the unit that the program uses; then the number is converted and rounded.
     """
     if type(value) is int and given is None and lowest <= value <= highest:
         return value
@@ -107,7 +107,7 @@ def whole(name: str, value: Any, lowest: int = 0, highest: int = MOST, unit: str
 
 def optional(name: str, value: Any, lowest: int = 0, highest: int = MOST, unit: str = "",
              given: tuple[str, float] | None = None) -> int | None:
-    """Return the same, or None where the program gave nothing."""
+    """Return whole(), or None for None."""
     return None if value is None else whole(name, value, lowest, highest, unit, given)
 
 
@@ -117,7 +117,7 @@ def bench_number(value: Any, name: str = "bench") -> int | None:
 
 
 def nanoseconds(name: str, value: Any) -> int:
-    """Return a time in s, 0 to 100 years, in ns."""
+    """Return a time in ns. value: in s, 0 to 100 years."""
     seconds = real(name, value, "seconds")
     if 0.0 <= seconds <= _LONGEST:
         return round(seconds * 1e9)
@@ -125,7 +125,7 @@ def nanoseconds(name: str, value: Any) -> int:
 
 
 def optional_nanoseconds(name: str, value: Any) -> int | None:
-    """Return the same, or None where the program gave nothing."""
+    """Return nanoseconds(), or None for None."""
     return None if value is None else nanoseconds(name, value)
 
 
@@ -138,7 +138,7 @@ def is_utf8(text: str) -> bool:
 
 
 def text(name: str, value: Any) -> str:
-    """Return a text, which may come as bytes of UTF-8."""
+    """Return a text, which may be given as UTF-8 bytes."""
     try:
         if isinstance(value, bytes):
             return value.decode()
@@ -159,7 +159,7 @@ def texts(name: str, value: Any) -> list[str]:
 
 
 def word(name: str, value: Any, first: str, *others: str) -> str:
-    """Return one of these words."""
+    """Return the value, which must be one of these words."""
     word = text(name, value)
     if word == first or word in others:
         return word
@@ -168,7 +168,7 @@ def word(name: str, value: Any, first: str, *others: str) -> str:
 
 
 def observes(pace: PaceSpec) -> bool:
-    """Whether a follower takes what is published, and steps no bench."""
+    """Return whether a follower only takes what is published and never steps a bench."""
     return word("pace", pace, "drive", "observe") == "observe"
 
 
@@ -203,7 +203,7 @@ def instance(name: str, value: Any, kind: type) -> Any:
 
 
 def is_iterable(values: object) -> bool:
-    """Whether one can go through it; hasattr() does not know of __getitem__, nor of shapes."""
+    """Return whether iter() accepts the values; hasattr() would miss __getitem__ and arrays without a dimension."""
     try:
         iter(values)  # type: ignore[call-overload]
     except TypeError:
@@ -212,7 +212,7 @@ def is_iterable(values: object) -> bool:
 
 
 def row(name: str, values: Any, check: Callable[[str, Any], Any]) -> list[Any]:
-    """Return what `check` makes of each value; an error names its place, such as "targets[1]"."""
+    """Return the result of `check` for each value; an error names its place, such as "targets[1]"."""
     if not is_iterable(values):
         raise TypeError(f"{name} = {shown(values)}: must be a sequence")
     return [check(f"{name}[{place}]", value) for place, value in enumerate(values)]

@@ -6,7 +6,7 @@ import functools
 
 _PATIENCE = 1.0  # s that a cancelled task waits for its call to end
 
-TYPE_CHECKING = False  # as typing.TYPE_CHECKING: reading that module takes time
+TYPE_CHECKING = False  # as typing.TYPE_CHECKING, without the time to import typing
 if TYPE_CHECKING:
     import asyncio
     from typing import Callable, TypeVar
@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 
 
 async def in_thread(call: Callable[[], Result], end: Callable[[], object]) -> Result:
-    """Run a call that waits in a thread of its own. When the task is cancelled, `end` ends the call."""
+    """Run a waiting call in its own thread. When the task is cancelled, `end` ends the call."""
     import asyncio
     import threading
 
@@ -43,8 +43,7 @@ async def in_thread(call: Callable[[], Result], end: Callable[[], object]) -> Re
         await asyncio.wait([ended])  # does not cancel it with the task
     except asyncio.CancelledError:
         await asyncio.to_thread(end)
-        # A wait on a paused bench ends only when the bench continues: the task does not wait for
-        # that.
+        # Limited, because a wait on a paused bench ends only when the bench continues.
         await asyncio.wait([ended], timeout=_PATIENCE)
         raise
     return ended.result()

@@ -22,7 +22,7 @@ from ._errors import Failed, Refused
 from ._status import Status
 from ._values import Unit, unit_of
 
-TYPE_CHECKING = False  # as typing.TYPE_CHECKING: reading that module takes time
+TYPE_CHECKING = False  # as typing.TYPE_CHECKING, without the time to import typing
 if TYPE_CHECKING:
     from typing import Any, Callable, Generator, Iterable, Literal, Sequence
 
@@ -37,7 +37,7 @@ if TYPE_CHECKING:
     CommandSpec = Literal[
         "enable", "disable", "halt", "resume", "quick_stop", "reset_fault", "power_cycle"
     ]
-    Given = tuple[str, float] | None  # unit of a program's numbers, and its size in UU
+    Given = tuple[str, float] | None  # the unit of the numbers in a call, and its size in UU
 
 DISTURBANCES: tuple[str, ...] = tuple(_vdrive.DISTURBANCES)
 """The names of the disturbances that Axis.disturb() knows."""
@@ -78,7 +78,7 @@ class Motion(Handle):
         return self._axis
 
     def wait(self, timeout: float = 60.0) -> None:
-        """Wait until the axis is at its target. `timeout` in s of drive time."""
+        """Wait until the axis is at its target, for at most `timeout` s of drive time."""
         self._handle.wait(nanoseconds("timeout", timeout))
 
     def has_ended(self) -> bool:
@@ -86,11 +86,10 @@ class Motion(Handle):
         return self._handle.has_ended()
 
     async def wait_async(self, timeout: float = 60.0) -> None:
-        """Wait as wait() does; `await motion` is the same. A task that is cancelled halts the axis.
+        """Wait as wait() does; `await motion` is the same. Cancelling the task halts the axis.
 
-        The axis is left alone when its motion has ended or has given way to another one, and when
-        another session has taken the axis. When the axis cannot be halted the task ends with that
-        error.
+        It does not halt the axis if the motion has ended or was replaced by another one, or if another
+        session has taken the axis. If halting fails, the task ends with that error.
         """
         def halt() -> None:
             try:
@@ -110,9 +109,9 @@ class Motion(Handle):
 class Axis(Handle):
     """One axis of a bench.
 
-    A handle: Session.axis() gives it, and several may mean the same axis. Commands take control of
-    the axis. `timeout` is drive time in s; `until` is "done" or "in_force": the drive has acted on
-    the command.
+    A handle, returned by Session.axis(); several handles may refer to the same axis. Commands take
+    control of the axis. `timeout` is drive time in s. A call returns when the command is "done", or,
+    with `until` "in_force", as soon as the drive has acted on it.
     """
 
     __slots__ = ("_session",)
@@ -132,21 +131,21 @@ class Axis(Handle):
 
     @property
     def bench(self) -> int:
-        """Number of its bench."""
+        """Number of the bench of the axis."""
         return self._place[0]
 
     @property
     def name(self) -> str:
-        """Its name."""
+        """Name of the axis."""
         return self._handle.name()
 
     @property
     def unit(self) -> Unit:
-        """The unit of its user units."""
+        """The physical unit of the user units of the axis."""
         return unit_of(self._handle.unit())
 
     def __eq__(self, other: object) -> bool:
-        """Whether both handles are of one session and mean the same axis."""
+        """Whether both handles belong to one session and refer to the same axis."""
         return (isinstance(other, Axis) and self._session is other._session
                 and self._place == other._place)
 
@@ -161,15 +160,15 @@ class Axis(Handle):
         self._handle.acquire()
 
     def take_over(self) -> None:
-        """Take control, also from another session, which loses it."""
+        """Take control, if necessary from another session, which loses it."""
         self._handle.take_over()
 
     def store(self) -> None:
-        """Store the parameters (1010h); return when they are durable."""
+        """Store the parameters (1010h); return when they are stored durably."""
         self._handle.store()
 
     def restore_defaults(self) -> None:
-        """Remove the stored values (1011h), from the next power cycle on."""
+        """Discard the stored parameters (1011h): the configured ones are in force from the next power cycle."""
         self._handle.restore_defaults()
 
     def end_disturbances(self) -> None:
@@ -189,7 +188,7 @@ class Axis(Handle):
         self._command("disable", timeout, until)
 
     def halt(self, *, timeout: float = 60.0, until: UntilSpec = "done") -> None:
-        """Brake to standstill; the set-point stays. Also of an axis that another session holds."""
+        """Brake to standstill; the set-point stays. Also works on an axis that another session holds."""
         self._command("halt", timeout, until)
 
     def resume(self, *, timeout: float = 60.0, until: UntilSpec = "done") -> None:
@@ -197,7 +196,7 @@ class Axis(Handle):
         self._command("resume", timeout, until)
 
     def quick_stop(self, *, timeout: float = 60.0, until: UntilSpec = "done") -> None:
-        """Quick stop. Also of an axis that another session holds."""
+        """Quick stop. Also works on an axis that another session holds."""
         self._command("quick_stop", timeout, until)
 
     def reset_fault(self, *, timeout: float = 60.0, until: UntilSpec = "done") -> None:
@@ -218,7 +217,7 @@ class Axis(Handle):
                 until: UntilSpec = "done") -> None:
         """Move to a position in UU. Speed (UU/s) and ramps (UU/s^2) are for this move.
 
-        With `unit`, such as "deg", all of them are in it, and rounded to UU.
+        With `unit`, such as "deg", all of them are in that unit and are rounded to UU.
         """
         self._handle.move_to(
             *self._move("position", position, velocity, acceleration, deceleration, unit, queue),
@@ -228,7 +227,7 @@ class Axis(Handle):
                 acceleration: NumberSpec | None = None, deceleration: NumberSpec | None = None,
                 unit: str | None = None, queue: bool = False, timeout: float = 60.0,
                 until: UntilSpec = "done") -> None:
-        """Move by a distance in UU, from the base that 60F2h chooses. `unit` as in move_to()."""
+        """Move by a distance in UU, from the base that 60F2h selects. `unit` as in move_to()."""
         self._handle.move_by(
             *self._move("distance", distance, velocity, acceleration, deceleration, unit, queue),
             *call_options(timeout, until))
@@ -261,7 +260,7 @@ class Axis(Handle):
              search_speed: NumberSpec | None = None, creep_speed: NumberSpec | None = None,
              acceleration: NumberSpec | None = None, unit: str | None = None, timeout: float = 60.0,
              until: UntilSpec = "done") -> None:
-        """Home the axis: wait until it is. `unit` as in move_to(), not for the method."""
+        """Home the axis, and wait until it is homed. `unit` as in move_to()."""
         given = self._given(unit)
         self._handle.home(
             optional("method", method, -128, 127),
@@ -283,7 +282,7 @@ class Axis(Handle):
 
     def apply_torque(self, torque: NumberSpec, *, slope: NumberSpec | None = None,
                      timeout: float = 60.0, until: UntilSpec = "done") -> None:
-        """Profile torque mode: wait until `torque` (per mille of the rated torque) is reached. It stays."""
+        """Profile torque mode: wait until `torque` (per mille of the rated torque) is reached, and keep it."""
         self._handle.apply_torque(
             whole("torque", torque, -2**15, 2**15 - 1, "per mille"),
             optional("slope", slope, 0, 2**32 - 1, "per mille per s"),
@@ -303,12 +302,12 @@ class Axis(Handle):
     def read(self, object: ObjectSpec) -> int:
         """Read an object.
 
-        An index, (index, subindex), or a text such as "profile_velocity" or "0x607D:1".
+        It is given as an index, (index, subindex), or a text such as "profile_velocity" or "0x607D:1".
         """
         return self._handle.read(object_number(object))
 
     def read_many(self, objects: Iterable[ObjectSpec]) -> list[int | Error]:
-        """Read up to 64 objects in one tick. One that is refused is an exception in the list."""
+        """Read up to 64 objects in one tick. For a refused object, the list has the exception."""
         return self._handle.read_many(row("objects", objects, lambda _, each: object_number(each)))
 
     def write(self, object: ObjectSpec, value: NumberSpec) -> int:

@@ -17,7 +17,7 @@ from ._arguments import (
 )
 from ._errors import ConfigurationError
 
-TYPE_CHECKING = False  # as typing.TYPE_CHECKING: reading that module takes time
+TYPE_CHECKING = False  # as typing.TYPE_CHECKING, without the time to import typing
 if TYPE_CHECKING:
     from typing import Any, Mapping, Sequence, overload
 
@@ -29,14 +29,14 @@ if TYPE_CHECKING:
     ModelSpec = Mapping[str, str | float]
 else:
     def overload(function):
-        """Of the annotations."""
+        """Replace typing.overload, which only type checkers need."""
         return function
 
 _MOST_AXES = 1_000_000
 
 
 def _is_one(axis: Any) -> bool:
-    """Whether it is one number; arrays of one number are not."""
+    """Return whether this is the number of one axis; an array with one number is not."""
     return isinstance(axis, int) or hasattr(axis, "__index__") and not hasattr(axis, "__len__")
 
 
@@ -49,7 +49,7 @@ def _axes(axes: Any) -> NDArray[numpy.int64] | None:
 
 
 def _integers(name: str, values: Any) -> NDArray[numpy.int64]:
-    """Return a whole number or one row of them as an array."""
+    """Return a whole number, or one row of whole numbers, as an array."""
     import numpy
 
     if type(values) is int and -2**63 <= values < 2**63:
@@ -69,7 +69,7 @@ def _integers(name: str, values: Any) -> NDArray[numpy.int64]:
 
 
 def _model(keys: Any) -> dict[str, Any]:
-    """Return a model with its numbers as floats; the C++ module knows the keys."""
+    """Return a model with its numbers as floats; the C++ module checks the keys."""
     return {key if isinstance(key, str) else shown(key): each if isinstance(each, str)
             else real("", each) if is_number(each) and key not in ("coupling", "feedback")
             else shown(each) for key, each in dict(keys).items()}
@@ -89,7 +89,7 @@ def _models(model: Any, axes: int) -> list[dict[str, Any]]:
 class AxisBank(Handle):
     """Servo drives without a service, clock and network: the caller writes objects and steps.
 
-    One thread at a time.
+    Only one thread at a time may use a bank.
     """
 
     __slots__ = ()
@@ -97,11 +97,11 @@ class AxisBank(Handle):
     def __init__(self, axes: NumberSpec, *, period: float = 0.001,
                  model: ModelSpec | Sequence[ModelSpec] | None = None,
                  parameters: Mapping[ObjectSpec, int] = {}) -> None:
-        """Power `axes` axes up.
+        """Create `axes` axes and power them up.
 
-        `period` of a tick in s, 125 us to 10 ms. `model`: the keys of `model` in a configuration, a
-        dict for all axes or a sequence with one for each. `parameters`: values of objects from
-        power-up on.
+        `period`: length of a tick, 125 us to 10 ms, in s. `model`: a dict for all axes, or a sequence
+        with one per axis, with the keys of `model` in a configuration. `parameters`: values of objects
+        at power-up.
         """
         try:
             count = whole("axes", axes, 1, _MOST_AXES)
@@ -129,22 +129,23 @@ class AxisBank(Handle):
     def status(self) -> NDArray[Any]:
         """The status image of each axis after the last tick.
 
-        A numpy array of records, a field for each member, that reads where the bank has them. A step, a
-        power cycle and restore() change it; copy() keeps it. It keeps the bank, and cannot be written.
-        Do not read it while another thread steps.
+        A read-only numpy array of records, with a field for each member. It is a view of the memory of
+        the bank: a step, a power cycle and restore() change it, a copy() does not change. The array
+        keeps the bank alive. Do not read it while another thread steps.
         """
         return self._handle.status()
 
     def status_hash(self) -> int:
-        """Return a number that stands for every status image, to compare runs."""
+        """Return a hash of all status images, to compare runs."""
         return self._handle.status_hash()
 
     def write(self, axis: int | ArrayLike | None, object: ObjectSpec,
               value: int | ArrayLike) -> None:
-        """Write an object of an axis, numbered from 0, or of several: a row of numbers, or None: all.
+        """Write an object of one axis or of several; it takes effect immediately.
 
-        Then `value` is one or a row of as many. In force at once. Refused ends at the first axis that
-        refuses; those before it are written.
+        `axis`: a number from 0, a row of numbers, or None for all axes. For several axes `value` is one
+        value for all of them or a row with one per axis. Refused is raised for the first axis that
+        refuses; the axes before it have been written.
         """
         number = object_number(object)
         if _is_one(axis):
@@ -158,21 +159,21 @@ class AxisBank(Handle):
     def read(self, axis: Sequence[int] | NDArray[Any] | None,
              object: ObjectSpec) -> NDArray[numpy.int64]: ...
     def read(self, axis: Any, object: ObjectSpec) -> Any:
-        """Read an object of an axis, or of several into an array. Arguments as in write()."""
+        """Read an object of one axis, or an array with the values of several. Arguments as in write()."""
         number = object_number(object)
         if _is_one(axis):
             return self._handle.read(_axis(axis), number)
         return self._handle.read_each(_axes(axis), number)
 
     def step(self, ticks: NumberSpec = 1) -> int:
-        """Step every axis. Return the tick. Ctrl-C ends it between two ticks."""
+        """Step every axis. Return the tick. Ctrl-C ends the call between two ticks."""
         return self._handle.step(whole("ticks", ticks))
 
     def set_load_noise(self, axis: int | ArrayLike | None, rms: float, seed: int = 0) -> None:
         """Add white noise to the load torque of an axis, or of several, from the next tick on.
 
-        `rms` in N.m at the load, 0 = none: another torque each tick, the same for the same seed, and
-        for each axis its own. Part of a snapshot.
+        `rms` in N.m at the load, 0 = none. Each axis gets its own sequence with a new value each tick,
+        which the seed determines. The noise is part of a snapshot.
         """
         noise = real("rms", rms, "N.m")
         if not 0.0 <= noise <= _vdrive.LARGEST_LOAD_NOISE:
@@ -192,7 +193,7 @@ class AxisBank(Handle):
     def restore(self, snapshot: bytes) -> None:
         """Go back to a snapshot of this bank, or of one made with the same arguments.
 
-        By the same version of vdrive. A ValueError says why one is refused.
+        It must be from the same version of vdrive. Raises ValueError with the reason if it cannot be restored.
         """
         if not isinstance(snapshot, bytes):
             raise TypeError(f"snapshot = {shown(snapshot)}: must be bytes")

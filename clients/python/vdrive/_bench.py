@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 # mypy: disable-error-code="no-any-return"
-"""A private bench: in this process, or a service over DDS, by default on a domain of its own."""
+"""A private bench: in this process, or a service over DDS, by default on an unused domain."""
 from __future__ import annotations
 
 import os
@@ -11,7 +11,7 @@ from ._arguments import instance, is_utf8, optional, texts
 from ._errors import ConfigurationError, NotFound
 from ._session import Session
 
-TYPE_CHECKING = False  # as typing.TYPE_CHECKING: reading that module takes time
+TYPE_CHECKING = False  # as typing.TYPE_CHECKING, without the time to import typing
 if TYPE_CHECKING:
     from typing import Any, Iterable, Literal, NoReturn, Sequence
 
@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 
 
 def find_service() -> str:
-    """Return the path of vdrived: VDRIVE_SERVICE, else beside the interpreter, else in PATH."""
+    """Return the path of vdrived: VDRIVE_SERVICE, else next to the interpreter, else in PATH."""
     path = os.environ.get("VDRIVE_SERVICE") or _vdrive.find_service()
     if path is None:
         raise NotFound("vdrived is not in PATH: install it, or name it in VDRIVE_SERVICE")
@@ -34,7 +34,7 @@ def _only_over_dds(what: str) -> ConfigurationError:
 
 
 def _whole(name: str, value: NumberSpec | None, lowest: int, highest: int) -> int | None:
-    """Return the value as an int of this range, None as it is."""
+    """Return the value as an int in this range, or None for None."""
     try:
         return optional(name, value, lowest, highest)
     except ValueError as error:
@@ -48,7 +48,7 @@ def _one_of(name: str, value: Any, words: tuple[str, ...]) -> Any:
 
 
 def _preset(value: str | None) -> str:
-    """Return the name of a machine, which is there; empty for none."""
+    """Return the name of an existing preset, or an empty text for None."""
     if value is None:
         return ""
     if not isinstance(value, str):
@@ -58,7 +58,7 @@ def _preset(value: str | None) -> str:
 
 
 def _path(name: str, value: Path | None) -> str:
-    """Return the path as a text, empty for none."""
+    """Return the path as a text, empty for None."""
     if value is None:
         return ""
     try:
@@ -73,7 +73,7 @@ def _path(name: str, value: Path | None) -> str:
 
 
 def _configuration(value: Path | None) -> str:
-    """Return the path of a configuration, which is there."""
+    """Return the path of a configuration file that can be opened, or an empty text for None."""
     path = _path("config", value)
     if path:
         try:
@@ -85,7 +85,7 @@ def _configuration(value: Path | None) -> str:
 
 
 def _words(arguments: Iterable[object]) -> list[str]:
-    """Return the arguments of vdrived as texts. A text alone would be taken letter by letter."""
+    """Return the arguments of vdrived as texts. Refuses a single text, whose letters would become arguments."""
     if isinstance(arguments, (str, bytes)) or not hasattr(arguments, "__iter__"):
         raise TypeError(f'arguments = {arguments!r}: must be a list of words, such as '
                         '["--period", "500"]')
@@ -93,12 +93,12 @@ def _words(arguments: Iterable[object]) -> list[str]:
 
 
 class Bench:
-    """A private bench, by default in this process, without a network. `with` ends it.
+    """A private bench, by default in this process and without a network. `with` closes it.
 
-    The bench ends with close(), and with this process, however it ends. Without close() it ends when
-    neither this object nor an open session that it gave is left. Several benches do not meet, but for
-    those that are made beside each other (`beside`) or on one `domain`. A program of its own, a child
-    process too, meets only a bench over DDS.
+    It ends with close(), and with this process, however the process ends. Without close() it ends when
+    neither this object nor an open session from session() is left. Its sessions find no other benches
+    than those created with `beside` or on the same `domain`. Other programs, including child
+    processes, reach only a bench over DDS.
     """
 
     def __init__(self, axes: NumberSpec | None = None, *, preset: str | None = None,
@@ -108,23 +108,23 @@ class Bench:
                  state: Path | None = None, journal: Path | None = None,
                  beside: Bench | None = None, arguments: Iterable[object] = (),
                  service: Path | None = None, domain: NumberSpec | None = None) -> None:
-        """Make the bench.
+        """Create the bench.
 
-        axes: number of default axes, 1 to 16384; without it and without `config` the demo bench with
-        two axes. preset: the axes are of this machine, one of vdrive.PRESETS; without `axes` there is
-        one. config: a file in YAML; `axes` and `preset` replace the axes that it has, and `clock` its
-        clock mode. clock: "lockstep", "realtime" or "freerun". over: "local", or "dds" for a service of its own on a DDS
-        domain. number: of the bench, 1 to 65535, by default that of the configuration, 1 without one.
-        state: directory where parameters can be stored. journal: file that judge() and `vdrived --replay` read.
-        beside: another bench of the same form; the sessions of both meet both. Only over DDS:
-        arguments, further ones of vdrived; service, path of vdrived, by default that of
-        find_service(); domain, 0 to 232, that of the benches to meet, instead of `beside`.
+        axes: number of default axes, 1 to 16384; without `axes` and `config`, the demo bench with two
+        axes. preset: type of machine for the axes, one of vdrive.PRESETS; without `axes` there is one
+        axis. config: a YAML file; `axes` and `preset` replace its axes, and `clock` its clock mode.
+        clock: "lockstep", "realtime" or "freerun". over: "local", or "dds" for a separate service on a
+        DDS domain. number: of the bench, 1 to 65535, by default as configured, otherwise 1.
+        state: directory where parameters can be stored. journal: file for judge() and
+        `vdrived --replay`. beside: another bench with the same `over`; sessions of either bench find
+        both. Only over DDS: arguments, additional ones for vdrived; service, path of vdrived, by
+        default find_service(); domain, 0 to 232, to find other benches there, instead of `beside`.
 
-        A value that is out of range, unknown or contradicts another one raises ConfigurationError,
-        one of a wrong type TypeError; both name the argument.
+        Raises ConfigurationError for a value that is out of range, unknown or contradicts another one,
+        and TypeError for one of a wrong type; both name the argument.
         """
         self._sessions: weakref.WeakSet[Session] = weakref.WeakSet()
-        self._beside: weakref.WeakSet[Bench] = weakref.WeakSet()  # benches made beside this one
+        self._beside: weakref.WeakSet[Bench] = weakref.WeakSet()  # benches created with this one as `beside`
         self._local: Any = None
         self._private: Any = None
         self._is_local = _one_of("over", over, ("local", "dds")) == "local"
@@ -191,10 +191,10 @@ class Bench:
                 keep_alive: KeepAliveSpec = "own_thread",
                 find_timeout: float = 2.0, silence: float = 1.5, patience: float = 10.0,
                 program: str = "") -> Session:
-        """Return a new Session with the bench, which close() closes, too.
+        """Return a new Session on the bench, which close() also closes.
 
-        The parameters are those of Session, with its defaults. Those of a network do not count for
-        a bench in this process.
+        The parameters and defaults are those of Session. A bench in this process ignores the network
+        parameters.
         """
         session = Session(
             local=self._local, service=self._private, domain=None if self._local is not None else self.domain,
@@ -205,7 +205,7 @@ class Bench:
         return session
 
     def faults(self) -> list[Fault]:
-        """Return what the black box of this bench keeps; Session.fault() shows one of them."""
+        """Return the faults in the black box of this bench; Session.fault() has the details of one."""
         with self.session() as session:
             return session.faults()
 
@@ -215,13 +215,13 @@ class Bench:
                 session.close()
 
     def _close_others(self) -> None:
-        """End the benches that were made beside this one."""
+        """End the benches that were created with this one as `beside`."""
         for bench in list(self._beside):
             bench._close_others()
             bench.close()
 
     def close(self) -> None:
-        """Close the sessions that session() gave, and end the bench."""
+        """Close the sessions from session(), and end the bench."""
         self._close_sessions()
         for bench in (self._local, self._private):
             if bench is not None:

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""For which Python this package was built."""
+"""Checks that this package was built for the running Python."""
 from __future__ import annotations
 
 import importlib.machinery

@@ -7,10 +7,10 @@ from dataclasses import dataclass
 
 @dataclass(frozen=True)
 class Owner:
-    """The session that holds an axis, and what its program says of itself: nobody checks it.
+    """The session that holds an axis, and its program as stated by that program: nobody checks it.
 
-    `axis` is an address such as "1.1", empty where the bench named none. `program` and `host` are
-    empty and `process` is 0 where the program says nothing, such as a client of another vendor.
+    `axis` is an address such as "1.1", empty if the bench named none. `program` and `host` are empty
+    and `process` is 0 if the program states nothing, as for a client of another vendor.
     """
 
     axis: str
@@ -24,8 +24,8 @@ class Error(Exception):
     """Why a call failed.
 
     `code` is the code of a refusal: a CiA 301 abort code, or a reason of the wire contract (below
-    0x05000000); 0 for every other error. `owner` is the session that stands in the way, where
-    another one does, else None. The text is `str(error)`.
+    0x05000000); 0 for every other error. `owner` is the other session if one is in the way, else None.
+    The text is `str(error)`.
     """
 
     def __init__(self, message: str, code: int = 0, owner: Owner | None = None) -> None:
@@ -54,16 +54,16 @@ class Lost(Error, ConnectionError):
 
 
 class Failed(Error):
-    """Accepted, but not done.
+    """The command was accepted, but not completed.
 
-    A fault, a lost enable, a limit, a halt, another command or an interrupt has ended it, or its stream
-    was closed.
+    It was ended by a fault, a lost enable, a limit, a halt, another command or an interrupt, or its
+    stream was closed.
     """
 
 
 class Forked(Error, RuntimeError):
-    """An object, or the DDS library, of the process from which this one was forked."""
+    """The object, or the DDS library, belongs to the process from which this one was forked."""
 
 
 class ConfigurationError(Error, ValueError):
-    """A session cannot be set up with these options."""
+    """A session, a bench or a bus cannot be set up with these options."""

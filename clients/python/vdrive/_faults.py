@@ -1,59 +1,59 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What the black box of a bench keeps: its last minutes around a fault, tick by tick."""
+"""The black box of a bench: what happened around its last faults, tick by tick."""
 from __future__ import annotations
 
 from typing import NamedTuple
 
-TYPE_CHECKING = False  # as typing.TYPE_CHECKING: reading that module takes time
+TYPE_CHECKING = False  # as typing.TYPE_CHECKING, without the time to import typing
 if TYPE_CHECKING:
     from ._recording import Recording
 
 
 class Cause(NamedTuple):
-    """Why a bench has kept what happened."""
+    """Why a bench has kept a window."""
 
     kind: str
     """"fault", "master lost", "stopped by another session" or "asked for"."""
     axis: int
     """Number of the axis, 0 = none."""
     code: int
-    """Of a fault 603Fh."""
+    """For a fault, 603Fh."""
     session: int
-    """Who was lost, has stopped the axis, or has asked; 0 = none."""
+    """The session that was lost, stopped the axis or asked for the window; 0 = none."""
     tick: int
-    """The tick."""
+    """The last completed tick."""
 
 
 class Fault(NamedTuple):
-    """A stretch of time that a bench keeps, from 2 s before its first cause to 0.5 s after the last."""
+    """A window that a bench keeps, from 2 s before its first cause to 0.5 s after the last."""
 
     bench: int
     number: int
     first_tick: int
     last_tick: int
     is_open: bool
-    """It is still recorded: last_tick will be its last one."""
+    """Still being recorded: last_tick is where it will end."""
     causes: list[Cause]
     more_causes: int
 
 
 class Write(NamedTuple):
-    """What somebody wrote to an object of an axis."""
+    """A write to an object of an axis."""
 
     tick: int
-    """The last completed one before."""
+    """The last tick completed before the write."""
     axis: int
     object: tuple[int, int]
     """Index and sub-index."""
     value: int
     session: int
-    """Who wrote it, 0 = none."""
+    """The session that wrote it, 0 = none."""
     reason: int
     """Why it was refused, 0 = accepted."""
 
 
 class Reported(NamedTuple):
-    """An event in the time of a fault."""
+    """An event in the window of a fault."""
 
     tick: int
     kind: str
@@ -63,7 +63,7 @@ class Reported(NamedTuple):
 
 
 class Story(NamedTuple):
-    """What led to a cause, in sentences."""
+    """The explanation of a cause, in sentences."""
 
     title: str
     lines: list[str]
@@ -75,7 +75,7 @@ class Story(NamedTuple):
 
 
 class FaultWindow(NamedTuple):
-    """What some axes did around a fault."""
+    """The motion, writes and events of some axes around a fault."""
 
     fault: Fault
     recording: Recording
@@ -87,6 +87,6 @@ class FaultWindow(NamedTuple):
 
 
 def fault_of(record: tuple) -> Fault:  # type: ignore[type-arg]
-    """Return the Fault of a record of the module."""
+    """Return the Fault for a record of the C++ module."""
     bench, number, first, last, is_open, causes, more = record
     return Fault(bench, number, first, last, is_open, [Cause(*each) for each in causes], more)

@@ -22,7 +22,7 @@ from ._asynchronous import in_thread
 from ._session import Session
 from ._status import Status
 
-TYPE_CHECKING = False  # as typing.TYPE_CHECKING: reading that module takes time
+TYPE_CHECKING = False  # as typing.TYPE_CHECKING, without the time to import typing
 if TYPE_CHECKING:
     from typing import Any, Callable, Literal
 
@@ -55,7 +55,7 @@ def _factors(velocity: float, acceleration: float, deceleration: float) -> list[
 
 
 def _positions(name: str, numbers: Any) -> list[int]:
-    """Return the positions or distances of a line, as those of a single axis: no fractions."""
+    """Return the positions or distances of a line, whole numbers as for a single axis."""
     return row(name, numbers, lambda place, each: whole(place, each, -2**31, 2**31 - 1, "UU"))
 
 
@@ -66,7 +66,7 @@ class GroupStatus(Handle):
 
     @property
     def tick(self) -> int:
-        """The tick, of the first axis' bench."""
+        """The tick of the bench of the first axis."""
         return self._handle.tick
 
     @property
@@ -86,12 +86,12 @@ class GroupStatus(Handle):
 
     @property
     def demand(self) -> NDArray[float64]:
-        """6062h of each axis (UU), numpy."""
+        """6062h of each axis (UU), as a numpy array."""
         return self._handle.demand()
 
     @property
     def actual(self) -> NDArray[float64]:
-        """6064h of each axis (UU), numpy."""
+        """6064h of each axis (UU), as a numpy array."""
         return self._handle.actual()
 
     @property
@@ -106,8 +106,8 @@ class GroupStatus(Handle):
 class AxisGroup(Handle):
     """Axes that move together, on one bench or on several that share a clock.
 
-    When one fails the others are stopped. Positions are numpy arrays in UU, in the order of the group.
-    `timeout` is drive time in s: by default 60, for a move its duration and 5.
+    If one fails, the others are stopped. Positions are numpy arrays in UU, in the order of the group.
+    `timeout` is drive time in s: by default 60, for a move its duration plus 5.
     """
 
     __slots__ = ()
@@ -128,7 +128,7 @@ class AxisGroup(Handle):
         return f"<vdrive.AxisGroup of {len(self.axes)} axes>"
 
     def take_over(self) -> None:
-        """Take control of every axis, also from other sessions."""
+        """Take control of every axis, if necessary from other sessions."""
         self._handle.take_over()
 
     def enable_all(self, *, timeout: float | None = None, until: UntilSpec = "done",
@@ -139,7 +139,7 @@ class AxisGroup(Handle):
 
     def disable_all(self, *, timeout: float | None = None, until: UntilSpec = "done",
                     progress: Progress = None) -> None:
-        """Shutdown of every axis without a fault. Drops the queue."""
+        """Shut down every axis that has no fault. Drops the queue."""
         self._handle.disable_all(*_options(timeout, until, progress))
 
     def wait_all(self, *, timeout: float | None = None, until: UntilSpec = "done",
@@ -148,7 +148,7 @@ class AxisGroup(Handle):
         self._handle.wait_all(*_options(timeout, until, progress))
 
     async def wait_all_async(self, *, timeout: float | None = None) -> None:
-        """Wait as wait_all() does. A task that is cancelled halts the group: halt_all()."""
+        """Wait as wait_all() does. Cancelling the task halts the group, as halt_all() does."""
         await in_thread(lambda: self.wait_all(timeout=timeout),
                         lambda: self.halt_all(until="in_force"))
 
@@ -164,7 +164,7 @@ class AxisGroup(Handle):
 
     def quick_stop_all(self, *, timeout: float | None = None, until: UntilSpec = "done",
                        progress: Progress = None) -> None:
-        """Quick stop of every axis without a fault. Drops the queue."""
+        """Quick-stop every axis that has no fault. Drops the queue."""
         self._handle.quick_stop_all(*_options(timeout, until, progress))
 
     def reset_all(self, *, timeout: float | None = None, until: UntilSpec = "done",
@@ -190,7 +190,7 @@ class AxisGroup(Handle):
                 acceleration_factor: float = 1.0, deceleration_factor: float = 1.0,
                 timeout: float | None = None, until: UntilSpec = "done",
                 progress: Progress = None) -> None:
-        """Move as move_together() by displacements (whole UU) from the demand positions."""
+        """Move as move_together() does, but by displacements (whole UU) from the demand positions."""
         self._handle.move_by(
             _positions("displacements", displacements),
             _factors(velocity_factor, acceleration_factor, deceleration_factor),
@@ -198,7 +198,7 @@ class AxisGroup(Handle):
 
     def queue_move(self, targets: ArrayLike, *, velocity_factor: float = 1.0,
                    acceleration_factor: float = 1.0, deceleration_factor: float = 1.0) -> None:
-        """Append a move_together(). It starts in wait_all() or poll()."""
+        """Append a move_together() to the queue. wait_all() or poll() starts it."""
         self._handle.queue_move(
             _positions("targets", targets),
             _factors(velocity_factor, acceleration_factor, deceleration_factor))
@@ -208,25 +208,25 @@ class AxisGroup(Handle):
         return GroupStatus(self._handle.status())
 
     def poll(self) -> GroupStatus:
-        """Check the group once: stop the others when an axis failed, start the next move."""
+        """Check the group once: stop the other axes if one has failed, start the next move."""
         return GroupStatus(self._handle.poll())
 
     def monitor(self, on: bool) -> None:
-        """Real time: check for faults in a separate thread while no call waits."""
+        """In real time, check for faults in a separate thread while no call waits."""
         self._handle.monitor(truth("on", on))
 
     def start_streaming(self, *, lead: float = 0.01, pace: PaceSpec = "drive",
                         what: StreamedSpec = "positions") -> None:
         """Start the cyclic synchronous mode of `what` on every axis, from rest.
 
-        "positions" (UU), "velocities" (UU/s) or "torques" (per mille of rated). `lead`: s ahead in real
-        time.
+        "positions" (UU), "velocities" (UU/s) or "torques" (per mille of rated). `lead`: in real time, how
+        long before its tick each set-point is sent, in s.
         """
         self._handle.start_streaming(nanoseconds("lead", lead), observes(pace),
                                      word("what", what, "positions", "velocities", "torques"))
 
     def stream(self, set_points: ArrayLike) -> GroupStatus:
-        """Send the set-points of the next tick, rounded to whole ones. In lock-step step one tick."""
+        """Send the set-points of the next tick, rounded to whole numbers. In lock-step, also step one tick."""
         return GroupStatus(self._handle.stream(row("set_points", set_points, real)))
 
     def stop_streaming(self, *, timeout: float | None = None, until: UntilSpec = "done",

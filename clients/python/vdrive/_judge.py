@@ -7,7 +7,7 @@ from typing import NamedTuple
 
 from . import _vdrive
 
-TYPE_CHECKING = False  # as typing.TYPE_CHECKING: reading that module takes time
+TYPE_CHECKING = False  # as typing.TYPE_CHECKING, without the time to import typing
 if TYPE_CHECKING:
     from typing import Mapping
 
@@ -17,7 +17,7 @@ SEVERITIES = ("error", "warning", "advice")
 
 
 class Finding(NamedTuple):
-    """A rule that a master broke on an axis, once for all times that it did."""
+    """A rule that a master broke on an axis, reported once however often it was broken."""
 
     rule: str
     severity: str
@@ -34,7 +34,7 @@ class Finding(NamedTuple):
 
 
 class Verdict(NamedTuple):
-    """What the judge says of a journal."""
+    """The verdict of the judge on a journal."""
 
     findings: list[Finding]
     unused: list[str]
@@ -45,10 +45,10 @@ def judge(journal: Path, *, off: Mapping[str, str] | None = None) -> Verdict:
     """Judge the masters of a bench by its journal, as `vdrive judge` does.
 
     journal: the file of Bench(journal=...), after close(). off: rules that the master breaks on
-    purpose, each with its reason. `findings` are worst first, `unused` the rules of `off` that were
-    not broken, `report` is a text for people, with the table around each finding. Raises
+    purpose, each with its reason. `findings` are worst first, `unused` are the rules of `off` that were
+    not broken, `report` is a readable text, with the table around each finding. Raises
     FileNotFoundError, or another OSError, when the file cannot be opened; ValueError when it cannot be
-    judged, and for a rule that is not there or has no reason.
+    judged, and for an unknown rule or one without a reason.
     """
     reasons = dict(off or {})
     for rule, reason in reasons.items():

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Functions that are called with events and states of axes."""
+"""Observers: functions that are called with events, changes of services and states of axes."""
 from __future__ import annotations
 
 import atexit
@@ -9,15 +9,15 @@ import threading
 import time
 import weakref
 
-# Imported first, because it registers the end of the sessions: see _close_all below.
+# Imported first, because it registers the function that ends the sessions: see _close_all below.
 from . import _vdrive  # noqa: F401
 
-TYPE_CHECKING = False  # as typing.TYPE_CHECKING: reading that module takes time
+TYPE_CHECKING = False  # as typing.TYPE_CHECKING, without the time to import typing
 if TYPE_CHECKING:
     from typing import Any, Callable, Iterator, Protocol, Sequence
 
     class Stream(Protocol):
-        """What an Observer takes its items from."""
+        """The source of the items of an Observer."""
 
         def __iter__(self) -> Iterator[Any]: ...
         def close(self) -> None: ...
@@ -33,7 +33,7 @@ _waits_for: dict[threading.Thread, threading.Thread] = {}
 
 
 def _wait_for(thread: threading.Thread, patience: float | None = None) -> None:
-    """Wait for the end of a thread, at most so long, but not of one that waits for the caller."""
+    """Wait until a thread ends, at most for `patience`; does not wait for one that waits for the caller."""
     caller = threading.current_thread()
 
     def is_in_a_circle() -> bool:
@@ -43,7 +43,7 @@ def _wait_for(thread: threading.Thread, patience: float | None = None) -> None:
         return other is caller
 
     with _changed:
-        before = _waits_for.get(caller)  # set if a signal handler closes another one during a wait
+        before = _waits_for.get(caller)  # set if a signal handler closes another observer during a wait
         _waits_for[caller] = thread
         try:
             _changed.wait_for(lambda: thread not in _alive or is_in_a_circle(), patience)
@@ -60,11 +60,11 @@ def check_function(function: object) -> None:
 
 
 class Observer:
-    """Calls a function from threads of Python, until close() or the end of the session.
+    """Calls a function from Python threads, until close() or the end of the session.
 
-    What the function raises is reported by `threading.excepthook`, and the calls continue. When the
-    calls end because a bench is lost, `error` is the exception, and `on_end(error)` is called;
-    without `on_end` the exception is reported by `threading.excepthook`.
+    `threading.excepthook` reports an exception in the function, and the calls continue. When the calls
+    end because a bench is lost, `error` is the exception, and `on_end(error)` is called; without
+    `on_end`, `threading.excepthook` reports it.
     """
 
     def __init__(self, function: Callable[[Any], object], streams: Sequence[Stream],
@@ -90,13 +90,13 @@ class Observer:
 
     @property
     def error(self) -> Exception | None:
-        """The exception that ended the calls, of several benches the last; None while they run."""
+        """The exception that ended the calls, the last one if there are several; None while they continue."""
         return self._error
 
     def close(self) -> None:
-        """End the calls; one that runs ends first, unless it is the caller or waits for it.
+        """End the calls. Waits for a call in progress, unless it is the caller or is waiting for the caller.
 
-        It does nothing in a forked process: the threads are its parent's.
+        Does nothing in a forked process: the threads belong to the parent.
         """
         if self._process != os.getpid():
             return
@@ -105,7 +105,7 @@ class Observer:
             _wait_for(thread)
 
     def _end(self) -> None:
-        """End the calls, without a wait for one that runs."""
+        """End the calls, without waiting for one in progress."""
         self._closed.set()
         for stream in self._streams:
             stream.close()
@@ -114,7 +114,7 @@ class Observer:
     def _start(thread: threading.Thread) -> None:
         with _changed:
             thread.start()
-            _alive.add(thread)  # before its end, which needs the lock
+            _alive.add(thread)  # before it can end, because that needs the lock
 
     def _run(self, stream: Stream) -> None:
         try:
@@ -155,7 +155,7 @@ class Observer:
 
 
 def _close_all() -> None:
-    """End all observers at the exit. A call that does not end is ended with the sessions, after this."""
+    """End all observers at exit. Calls still in progress end with the sessions, which are closed after this."""
     with _changed:
         observers = list(_running)
     for observer in observers:
@@ -176,5 +176,5 @@ def _forget_threads_of_parent() -> None:
 
 
 os.register_at_fork(after_in_child=_forget_threads_of_parent)
-# Exit functions run in reverse order of registration: this one before the end of the sessions.
+# Exit functions run in reverse order of registration: this one runs before the sessions are closed.
 atexit.register(_close_all)

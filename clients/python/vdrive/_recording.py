@@ -7,7 +7,7 @@ import os
 from . import _vdrive
 from ._arguments import optional, optional_nanoseconds, real
 
-TYPE_CHECKING = False  # as typing.TYPE_CHECKING: reading that module takes time
+TYPE_CHECKING = False  # as typing.TYPE_CHECKING, without the time to import typing
 if TYPE_CHECKING:
     from typing import Any, Iterable
 
@@ -20,11 +20,11 @@ if TYPE_CHECKING:
 class Recording:
     """Status of axes of one bench over time.
 
-    `frames` is a numpy array of records, a row a sample, a column an axis; its fields are named
-    after the members of the status (`recording.frames.dtype.names`), and the short names of Status
-    mean the same fields. `recording["position"]` is one of them, an array of numbers of the same shape.
-    `cut` is the place where a file was cut off; empty for a whole one. `period` is the time of a tick
-    [s], None of a file that does not say it.
+    `frames` is a numpy array of records, with a row per sample and a column per axis. Its fields have
+    the names of the members of the status (`recording.frames.dtype.names`) and the short names of
+    Status. `recording["position"]` is one field, an array of numbers of the same shape. `cut` is the
+    place where the file was cut off, or empty. `period` is the length of a tick in s, None if the file
+    does not contain it.
     """
 
     def __init__(self, axes: Iterable[str], names: Iterable[str], frames: NDArray[Any],
@@ -52,11 +52,11 @@ class Recording:
 
     @property
     def missed(self) -> int:
-        """Samples that were lost, in all."""
+        """Total number of lost samples."""
         return int(self._of_samples("missed").sum())
 
     def _of_samples(self, field: str) -> NDArray[Any]:
-        """Return what each sample has once, as in the record of its first axis."""
+        """Return a field that is the same for all axes of a sample, as in the record of the first axis."""
         records: NDArray[Any] = self.frames[field]
         return records[:, 0] if records.shape[1] else records.reshape(-1)
 
@@ -84,12 +84,12 @@ class Recording:
         raise KeyError(f"the recording has no axis {axis!r}: {', '.join(self.axes)}")
 
     def save(self, path: Path) -> None:
-        """Write it to a file, as `vdrive record` does: .csv, .jsonl or .mcap by the ending.
+        """Write the recording to a file, as `vdrive record` does: .csv, .jsonl or .mcap by the ending.
 
-        load() and `vdrive convert` read it. A file that is there keeps its content until the new one
-        is whole. .mcap keeps `period`; no format keeps `cut`. Raises ValueError for what a file cannot
-        have: another ending, no sample, ticks that go back, frames of another shape or type, .mcap
-        without a `period`; OSError when it cannot be written. Then nothing has changed.
+        load() and `vdrive convert` read it. An existing file is replaced only when the new one is
+        complete. .mcap keeps `period`; no format keeps `cut`. Raises ValueError for another ending, no
+        sample, ticks that go back, frames of another shape or type, and .mcap without a `period`;
+        OSError when the file cannot be written. An existing file is then unchanged.
         """
         import numpy
 
@@ -124,10 +124,11 @@ def load(path: str | os.PathLike[str], *, bench: int | None = None,
          period: float | None = None) -> Recording:
     """Read a recording of `vdrive record FILE`: .csv, .jsonl or .mcap.
 
-    bench: its number, where the recording has several. period: the time of a tick [s], of a file that
-    does not say it: .csv and .jsonl. Raises FileNotFoundError, or another OSError, when the file cannot be
-    opened; ValueError when it is not a recording, or is damaged, or has other benches only. Of an MCAP file that was cut off it reads the whole part; `cut` of the
-    recording is the place where it ends.
+    bench: its number, needed if the recording has several. period: the length of a tick in s, for a
+    .csv or .jsonl file, which does not contain it. Raises FileNotFoundError, or another OSError, when the
+    file cannot be opened; ValueError when it is not a recording, is damaged or has only other benches.
+    An MCAP file that was cut off is read up to its last complete chunk; `cut` of the recording is that
+    place.
     """
     bench = optional("bench", bench)
     period = None if period is None else real("period", period)

@@ -46,21 +46,21 @@ from ._streams import (
 )
 from ._values import BenchInfo, Event, ServiceChange, bench_of
 
-TYPE_CHECKING = False  # as typing.TYPE_CHECKING: reading that module takes time
+TYPE_CHECKING = False  # as typing.TYPE_CHECKING, without the time to import typing
 if TYPE_CHECKING:
     from typing import Any, Callable, Mapping, NoReturn, Sequence
 
     from ._arguments import KeepAliveSpec, NumberSpec, ObjectSpec, PaceSpec, UntilSpec
     from ._axis import AxesSpec, CommandSpec
 
-_MOST_AXES = 256  # most axes in one request
+_MOST_AXES = 256  # in one request
 _SLICE = 100  # ticks after which a wait checks whether it was cancelled
 
 
 def _script() -> bytes:
-    """Return the name of the file that Python runs; empty where it runs none, such as `python -c`.
+    """Return the name of the file that Python runs; empty if there is none, as with `python -c`.
 
-    Then the interpreter's own name says who it is.
+    The session then uses the name of the interpreter.
     """
     # A program that embeds Python may have no arguments, and an argument may not be UTF-8.
     first = os.fsencode((getattr(sys, "argv", None) or [""])[0])
@@ -68,10 +68,10 @@ def _script() -> bytes:
 
 
 class Session(Handle):
-    """A program's presence on a DDS domain: finds benches, reads, writes, commands their axes.
+    """A program's presence on a DDS domain: finds benches, and reads, writes and commands their axes.
 
-    It keeps the axes that it commands, and releases them when it is closed. `with` closes it. Calls
-    may come from several threads; those that step one bench from one at a time.
+    It keeps the axes that it commands, and releases them when it is closed. `with` closes it. Several
+    threads may call it; if several step the same bench, the steps run one after the other.
     """
 
     __slots__ = ()
@@ -84,15 +84,17 @@ class Session(Handle):
                  service: Any = None, program: str = "") -> None:
         """Open the session.
 
-        domain: 0 to 232, by default that of VDRIVE_DOMAIN, else 0. interfaces: own addresses
-        or interfaces such as eth0, by default loopback only. peers: hosts, by address or name, searched
-        in addition to multicast. discovery_servers: such as "10.0.0.9:11811", instead of both. security: directory of the closed mode's credentials. bench: find this
-        one only. find_timeout, silence, patience: wall time in s. A call raises Lost when a service
-        was silent for `silence`; what follows a bench (wait, follow, stream, on_status) when it was
-        silent for `patience`. local: a bench of this process, of vdrive.Bench; then no option of the
-        network counts. service: that of a vdrive.Bench over DDS. Both live at least until the session
-        is closed. program: what others read of who controls an axis, by default the name of the file
-        that Python runs.
+        domain: 0 to 232, by default VDRIVE_DOMAIN, else 0. interfaces: own addresses or interfaces such as
+        eth0, by default loopback only. peers: hosts, by address or name, searched in addition to
+        multicast. discovery_servers: such as "10.0.0.9:11811", instead of both. security: directory with
+        the material of the closed mode. bench: find only this one. keep_alive: "own_thread", or
+        "user_frames": the session sends only what the program sends, so a program that hangs loses its
+        axes. find_timeout, silence, patience: wall time in s. A call raises Lost when a service has been
+        silent for `silence`; calls that follow a bench (wait, follow, stream, on_status) when it has been
+        silent for `patience`. local, service: set by vdrive.Bench, for a bench in this process or over
+        DDS, which lives at least until the session is closed; with `local`, the network options have no
+        effect. program: the name that others see when the session owns an axis, by default that of the
+        file that Python runs.
         """
         super().__init__(_vdrive.Session(
             optional("domain", domain, 0, 2**32 - 1), texts("interfaces", interfaces),
@@ -124,7 +126,7 @@ class Session(Handle):
         self.close()
 
     def find_benches(self) -> list[BenchInfo]:
-        """Wait until a bench is found; the benches by number, none after `find_timeout`."""
+        """Wait until a bench is found. Return the benches by number; none after `find_timeout`."""
         return [bench_of(bench) for bench in self._handle.find_benches()]
 
     def present_benches(self) -> list[BenchInfo]:
@@ -132,11 +134,11 @@ class Session(Handle):
         return [bench_of(bench) for bench in self._handle.present_benches()]
 
     def find_bench(self, number: int | None = None) -> BenchInfo:
-        """Return the bench of that number; without a number the only present one."""
+        """Return the bench with this number; without a number, the only one that is present."""
         return bench_of(self._handle.find_bench(bench_number(number, "number")))
 
     def axis(self, text: str) -> Axis:
-        """Return the axis of an address such as "1.2" or "1.lift", or of a name."""
+        """Return the axis with an address such as "1.2" or "1.lift", or with a name."""
         return Axis(self, self._axis_named(text))
 
     def _axis_named(self, name: str) -> Any:
@@ -147,7 +149,7 @@ class Session(Handle):
         return [Axis(self, axis) for axis in self._handle.axes(bench_number(bench))]
 
     def _given(self, axes: AxesSpec) -> list[Any] | None:
-        """Return the C++ axes that an argument means; None: all of the only bench."""
+        """Return the C++ axes that an argument names; None for all axes of the only bench."""
         if axes is None:
             return None
         if isinstance(axes, (str, Axis)):
@@ -166,23 +168,23 @@ class Session(Handle):
         return axis._handle
 
     def _axes_of(self, axes: AxesSpec) -> list[Axis]:
-        """Return the axes that an argument means; None: all of the only bench."""
+        """Return the axes that an argument names; None names all axes of the only bench."""
         given = self._given(axes)
         return self.axes() if given is None else [Axis(self, axis) for axis in given]
 
     def command_each(self, axes: AxesSpec, command: CommandSpec, *, timeout: float = 60.0,
                      until: UntilSpec = "done") -> list[Error | None]:
-        """Send axes the same command.
+        """Send the same command to several axes.
 
-        enable, disable, halt, resume, quick_stop, reset_fault or power_cycle. Returns for each axis
-        None or the exception with the reason.
+        command: enable, disable, halt, resume, quick_stop, reset_fault or power_cycle. Returns, for
+        each axis, None or the exception with the reason.
         """
         return self._handle.command_each(self._given(axes), text("command", command),
                                          *call_options(timeout, until))
 
     def quick_stop(self, bench: int | None = None, *, timeout: float = 60.0,
                    until: UntilSpec = "done") -> None:
-        """Quick stop of every axis of a bench that has no fault, also of other sessions."""
+        """Quick-stop every axis of a bench, whoever owns it, except those with a fault."""
         self._handle.quick_stop(bench_number(bench), *call_options(timeout, until))
 
     def release(self, bench: int | None = None) -> None:
@@ -197,10 +199,10 @@ class Session(Handle):
                         drops_waiting: bool = False, bench: int | None = None) -> None:
         """Send values of objects to axes that the session holds, by their numbers on the bench.
 
-        It waits for no answer: the status and the events show what became of them. They are in force
-        in `tick` (0 = the next), up to 10 s ahead; the controlword (6040h) acts last. Beside mode,
-        target position and controlword an axis takes 8 objects. With `drops_waiting` the frames of the
-        session that wait for their tick are dropped first.
+        Does not wait for an answer: the status shows their effect, and events report refusals. They take
+        effect in `tick` (0 = the next), up to 10 s ahead, the controlword (6040h) last. In addition to
+        mode, target position and controlword, up to 8 objects per axis are possible. With
+        `drops_waiting`, frames of the session that still wait for their tick are dropped first.
         """
         points = []
         for axis, values in dictionary("set_points", set_points).items():
@@ -220,10 +222,10 @@ class Session(Handle):
         self._handle.end_interrupt()
 
     def abandon(self) -> None:
-        """End the session as a kill of its program would.
+        """End the session as if its program had been killed.
 
-        It sends nothing any more and releases no axis, every call fails, and the axes on a bench in
-        realtime react as 6007h says. From any thread; close() frees what is left.
+        It sends nothing more and releases no axis, every call fails, and on a realtime bench the axes
+        react as 6007h says. From any thread; close() frees what is left.
         """
         self._handle.abandon()
 
@@ -238,7 +240,7 @@ class Session(Handle):
         return self._handle.step(bench if bench is None else bench_number(bench), ticks)
 
     def wait(self, duration: float, *, bench: int | None = None) -> int:
-        """Wait for drive time, in s; in lock-step by steps. Return the tick reached."""
+        """Wait for drive time, in s; in lock-step, step. Return the tick reached."""
         return self._handle.wait(bench_number(bench), nanoseconds("duration", duration))
 
     async def wait_async(self, duration: float, *, bench: int | None = None) -> int:
@@ -261,15 +263,15 @@ class Session(Handle):
         return self._handle.wait_for_tick(bench_number(bench), whole("tick", tick))
 
     def set_rate(self, rate: float, *, bench: int | None = None) -> int:
-        """Drive time over wall time of a realtime bench, for all programs: 0 = pause, 0.1 to 100."""
+        """Set drive time over wall time of a realtime bench, for all programs: 0 = pause, 0.1 to 100."""
         return self._handle.set_rate(bench_number(bench), real("rate", rate))
 
     def take_snapshot(self, *, bench: int | None = None) -> int:
-        """Save the state of all axes of a bench whose time stands still. Return its number."""
+        """Save the state of all axes of a bench whose time stands still. Return the number of the snapshot."""
         return self._handle.take_snapshot(bench_number(bench))
 
     def restore_snapshot(self, snapshot: int, *, bench: int | None = None) -> int:
-        """Restore all axes to that state. Return the tick, which continues."""
+        """Restore all axes to the state of a snapshot. Return the tick, whose number continues."""
         return self._handle.restore_snapshot(bench_number(bench), whole("snapshot", snapshot))
 
     def snapshots(self, *, bench: int | None = None) -> dict[int, int]:
@@ -281,15 +283,15 @@ class Session(Handle):
         self._handle.drop_snapshot(bench_number(bench), whole("snapshot", snapshot))
 
     def faults(self, *, bench: int | None = None) -> list[Fault]:
-        """Return what the black box of a bench keeps: its last faults, whoever watched or nobody."""
+        """Return the last faults in the black box of a bench, which records even if nobody watches."""
         return [fault_of(each) for each in self._handle.windows(bench_number(bench))]
 
     def fault(self, number: int, axes: AxesSpec = None, *, bench: int | None = None) -> FaultWindow:
         """Return what axes did around a fault: each tick, every write, and what led to it.
 
-        number: of faults() or freeze(). axes: of one bench; by default those that faulted, or else all,
-        at most 256. It waits while the bench still records, and where time stands the record ends now. Raises
-        NotFound when the bench does not keep it, Refused when it is gone in the meantime.
+        number: from faults() or freeze(). axes: of one bench; by default those that faulted, or else all,
+        at most 256. Waits while the bench is still recording; if time stands still, the record ends now.
+        Raises NotFound if the bench does not keep it, Refused if it has been dropped in the meantime.
         """
         kept = next((each for each in self.faults(bench=bench) if each.number == number), None)
         if kept is None:
@@ -311,19 +313,19 @@ class Session(Handle):
                            [Reported(*each) for each in events], [Story(*each) for each in stories])
 
     def freeze(self, *, bench: int | None = None) -> int:
-        """Keep what happens around now, as around a fault. Return its number, for fault()."""
+        """Keep a window around now, as around a fault. Return its number, for fault()."""
         return self._handle.freeze_window(bench_number(bench))
 
     def observe(self, axes: AxesSpec = None) -> Observation:
-        """Return the present state of some axes of one bench; without any, all of the only bench."""
+        """Return the present state of axes of one bench; by default of all axes of the only bench."""
         return Observation(self._handle.observe(self._given(axes)))
 
     def follow(self, axes: AxesSpec = None, *, pace: PaceSpec = "drive", patience: float = 10.0,
                count: int | None = None) -> Follower:
         """Iterate over the ticks of axes of one bench.
 
-        With pace "drive" each sample of a lock-step bench is a step of one tick; "observe" takes what
-        is published. It raises TimedOut when no sample comes for `patience` s of wall time.
+        With pace "drive", each sample of a lock-step bench is a step of one tick; "observe" takes what is
+        published. Raises TimedOut when no sample arrives for `patience` s of wall time.
         """
         options = observes(pace), nanoseconds("patience", patience), optional("count", count)
         return Follower(self._handle.follow(self._given(axes), *options))
@@ -337,7 +339,7 @@ class Session(Handle):
         return AsyncStream(self.stream(axes, capacity=capacity))
 
     def stream(self, axes: AxesSpec = None, *, capacity: int = 10000) -> StatusStream:
-        """Receive every published sample of axes of one bench in a thread of its own.
+        """Receive every published sample of axes of one bench in a separate thread.
 
         Keeps the newest `capacity`.
         """
@@ -347,7 +349,7 @@ class Session(Handle):
     def events(self, *, history: bool = False, capacity: int = 10000) -> EventStream:
         """Return the events of the benches that this session finds.
 
-        With `history` from the oldest on that each bench still has. A second stream takes the place of
+        With `history`, starts with the oldest event that each bench still keeps. A second stream replaces
         the first.
         """
         return EventStream(self._handle.events(truth("history", history),
@@ -358,28 +360,28 @@ class Session(Handle):
         return AsyncStream(self.events(history=history, capacity=capacity))
 
     def service_changes(self, *, capacity: int = 10000) -> ServiceStream:
-        """Return what happens to the services that this session sees.
+        """Return a stream of the changes of the services that this session sees.
 
-        Found, silent, restarted, offline. First comes what is there. A second stream takes the place
-        of the first.
+        A service is found, falls silent, sends again, restarts or goes offline. The services that are
+        already there come first. A second stream replaces the first.
         """
         return ServiceStream(self._handle.service_changes(whole("capacity", capacity, 1)), self)
 
     def on_event(self, observer: Callable[[Event], object], *, history: bool = False) -> Observer:
         """Call `observer(event)` for each event, from now on; return the Observer.
 
-        With `history` from the oldest event on that each bench still has; without it, of benches that
-        the session has found. It takes the place of events() and of the observer before: a session has
-        one stream of events.
+        With `history`, starts with the oldest event that each bench still keeps; without it, reports only
+        benches that the session has found. Replaces events() and the previous observer: a session has
+        only one stream of events.
         """
-        check_function(observer)  # before the present observer is replaced
+        check_function(observer)  # before this replaces the present observer
         return Observer(observer, [self.events(history=history)])
 
     def watch_services(self, observer: Callable[[ServiceChange], object]) -> Observer:
         """Call `observer(change)` when a service is found, falls silent, restarts or goes offline.
 
-        First for each service that is there. Returns the Observer. It takes the place of
-        service_changes() and of the observer before.
+        The services that are already there come first. Returns the Observer. Replaces service_changes()
+        and the previous observer.
         """
         check_function(observer)
         return Observer(observer, [self.service_changes()])
@@ -389,10 +391,10 @@ class Session(Handle):
                   on_end: Callable[[Exception], object] | None = None) -> Observer:
         """Call `observer(observation)` with the newest state of axes; return the Observer.
 
-        For each bench at most once in `period` s of wall time, when a later tick has come. In lock-step
-        the present state comes first; while drive time stands still nothing comes after it. A service
-        that restarts is followed. The calls for a bench end when it has sent nothing for the `patience`
-        of the session: then `on_end(error)` is called, with the Lost that says why.
+        For each bench, the calls come at most once per `period` s of wall time, when a later tick has
+        arrived. In lock-step the present state comes first, and nothing more while drive time stands
+        still. The calls continue after a restart of the service. They end for a bench that has sent
+        nothing for `patience` of the session: then `on_end(error)` is called, with Lost and the reason.
         """
         check_function(observer)
         every = nanoseconds("period", period)
@@ -407,7 +409,7 @@ class Session(Handle):
 
     def record(self, axes: AxesSpec = None, *, ticks: NumberSpec,
                pace: PaceSpec = "drive") -> Recording:
-        """Record that many samples of axes of one bench; return a Recording.
+        """Record `ticks` samples of axes of one bench; return a Recording.
 
         With pace "drive" each sample of a lock-step bench is a step of one tick.
         """
@@ -435,7 +437,7 @@ class StepClock(Handle):
                  steppers: NumberSpec = 0) -> None:
         """Join the clock of each bench, by its number.
 
-        Time stands until `steppers` programs, with this one, have joined it; 0 = as the bench is
+        Time stands still until `steppers` programs, including this one, have joined; 0 = as the bench is
         configured.
         """
         awaited = whole("steppers", steppers, 0, 2**32 - 1)
@@ -444,7 +446,7 @@ class StepClock(Handle):
                                            awaited))
 
     def step(self, ticks: int = 1, *, patience: float = 10.0) -> list[int]:
-        """Step all benches and wait for them, `patience` s of wall time. Return the tick of each."""
+        """Step all benches and wait for them, at most for `patience` s of wall time. Return the tick of each."""
         return self._handle.step(whole("ticks", ticks), nanoseconds("patience", patience))
 
     def step_for(self, duration: float, *, patience: float = 10.0) -> list[int]:
@@ -454,7 +456,7 @@ class StepClock(Handle):
 
     @property
     def now(self) -> float:
-        """Drive time that this clock has advanced on all benches, in s."""
+        """Drive time that has passed on all benches under this clock, in s."""
         return self._handle.now()
 
     def close(self) -> None:

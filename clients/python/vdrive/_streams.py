@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 # mypy: disable-error-code="no-any-return"
-"""Status of axes over time, and what else comes without a call."""
+"""Streams of status, events and changes of services."""
 from __future__ import annotations
 
 from ._arguments import MOST, Handle, optional_nanoseconds, whole
@@ -8,7 +8,7 @@ from ._errors import Error
 from ._status import Status
 from ._values import Event, Lateness, ServiceChange
 
-TYPE_CHECKING = False  # as typing.TYPE_CHECKING: reading that module takes time
+TYPE_CHECKING = False  # as typing.TYPE_CHECKING, without the time to import typing
 if TYPE_CHECKING:
     import asyncio
     from typing import Any, Generic, Iterator, TypeVar
@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     Item = TypeVar("Item")
 else:
     class Generic:
-        """Of the annotations: a stream of anything."""
+        """Replace typing.Generic, which only type checkers need."""
 
         __slots__ = ()
 
@@ -43,12 +43,12 @@ class Observation(Handle):
 
     @property
     def missed(self) -> int:
-        """Samples of the stream lost since the one before."""
+        """Samples of the stream lost since the previous one."""
         return self._handle.missed
 
     @property
     def skipped(self) -> int:
-        """Ticks since the one before that the tick number jumped over: not run, not lost."""
+        """Ticks since the previous sample that the tick number jumped over: they were not run, and none is lost."""
         return self._handle.skipped
 
     @property
@@ -72,7 +72,7 @@ class Observation(Handle):
         return Status(self._handle.axis(whole("place", place, -2**63)))
 
     def __eq__(self, other: object) -> bool:
-        """Whether it shows the same axes with the same values in the same tick."""
+        """Whether both show the same axes with the same values in the same tick."""
         return isinstance(other, Observation) and self._content() == other._content()
 
     def __hash__(self) -> int:
@@ -92,19 +92,19 @@ class Follower(Handle):
 
     @property
     def lateness(self) -> Lateness:
-        """How late its samples were: a Lateness."""
+        """How late the samples of this follower were."""
         return Lateness(*self._handle.lateness())
 
     def take(self, count: NumberSpec) -> NDArray[Any]:
-        """Wait for that many observations, or for those that are left of the count of follow().
+        """Wait for `count` observations, or for as many as remain of the `count` of follow().
 
-        A numpy array of records, a row per sample, a column per axis. What it had received when it
-        raised is what the next call returns, at once.
+        Returns a numpy array of records, with a row per sample and a column per axis. After an exception,
+        the next call immediately returns the samples that had already arrived.
         """
         return self._handle.take(whole("count", count))
 
     def close(self) -> None:
-        """End it."""
+        """End the stream."""
         self._handle.close()
 
     def __iter__(self) -> Iterator[Observation]:
@@ -115,7 +115,7 @@ class Follower(Handle):
 
 
 class _Stream(Handle, Generic[Item]):
-    """What a thread of C++ hands over, bounded: the oldest go first when it is full. An iterator."""
+    """An iterator of values from a C++ thread. When the queue is full, the oldest are dropped."""
 
     __slots__ = ("_session",)
 
@@ -128,7 +128,7 @@ class _Stream(Handle, Generic[Item]):
 
     @property
     def dropped(self) -> int:
-        """The number of dropped values, the oldest first, because the program did not take them."""
+        """How many values were dropped, the oldest first, because the program did not take them in time."""
         return self._handle.dropped()
 
     @property
@@ -137,7 +137,7 @@ class _Stream(Handle, Generic[Item]):
         return self._handle.is_closed()
 
     def next(self, timeout: float | None = None) -> Item | None:
-        """Wait for the next one, at most for `timeout` s; None when none has come.
+        """Wait for the next value, at most for `timeout` s; return None if none has arrived.
 
         Raises Failed after close().
         """
@@ -145,11 +145,11 @@ class _Stream(Handle, Generic[Item]):
         return None if plain is None else self._item(plain)
 
     def fileno(self) -> int:
-        """Return a file that is readable while a value waits, for select, asyncio and similar."""
+        """Return a file descriptor that is readable while a value waits, for select, asyncio and similar."""
         return self._handle.fileno()
 
     def close(self) -> None:
-        """End it."""
+        """End the stream."""
         self._handle.close()
 
     def __iter__(self) -> Iterator[Item]:
@@ -166,7 +166,7 @@ class _Stream(Handle, Generic[Item]):
 
 
 class StatusStream(_Stream[Observation]):
-    """Status of axes as it comes, received by a thread of its own. An iterator of observations."""
+    """Status of axes as it arrives, received in a separate thread: an iterator of observations."""
 
     __slots__ = ()
 
@@ -179,15 +179,15 @@ class StatusStream(_Stream[Observation]):
         return self._handle.axes()
 
     def take(self, timeout: float | None = None, most: int = MOST) -> NDArray[Any]:
-        """Wait for samples, at most for `timeout` s, and take at most `most` of those that are there.
+        """Wait for samples, at most for `timeout` s, and take up to `most` of those that have arrived.
 
-        A numpy array of records, a row per sample, a column per axis.
+        Returns a numpy array of records, with a row per sample and a column per axis.
         """
         return self._handle.take(optional_nanoseconds("timeout", timeout), whole("most", most))
 
 
 class StatusReports(_Stream[Observation]):
-    """The newest state of axes at a rate; use it through on_status()."""
+    """The newest state of axes, at a fixed rate; use it through on_status()."""
 
     __slots__ = ()
 
@@ -196,7 +196,7 @@ class StatusReports(_Stream[Observation]):
 
 
 class EventStream(_Stream[Event]):
-    """Events of benches as they come. An iterator of events."""
+    """Events of benches as they arrive: an iterator of events."""
 
     __slots__ = ()
 
@@ -205,7 +205,7 @@ class EventStream(_Stream[Event]):
 
 
 class ServiceStream(_Stream[ServiceChange]):
-    """What happens to services, as it comes. An iterator of changes."""
+    """Changes of services as they happen: an iterator of changes."""
 
     __slots__ = ()
 
@@ -214,9 +214,9 @@ class ServiceStream(_Stream[ServiceChange]):
 
 
 class AsyncStream(Generic[Item]):
-    """A stream for `async for`. The event loop waits for the file of the stream: no further thread.
+    """A stream for `async for`. The event loop waits for its file descriptor, without another thread.
 
-    One task at a time waits for an item; RuntimeError for another one.
+    Only one task at a time may wait for an item; another one gets a RuntimeError.
     """
 
     def __init__(self, stream: _Stream[Item]) -> None:
@@ -225,11 +225,11 @@ class AsyncStream(Generic[Item]):
 
     @property
     def dropped(self) -> int:
-        """How many were dropped because the program did not take them."""
+        """How many values were dropped because the program did not take them in time."""
         return self._stream.dropped
 
     def close(self) -> None:
-        """End it."""
+        """End the stream."""
         self._stream.close()
 
     def __aiter__(self) -> AsyncStream[Item]:

@@ -1,12 +1,12 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What a program reads of benches, in objects that do not change."""
+"""Immutable values that a program reads from benches."""
 from __future__ import annotations
 
 from dataclasses import dataclass, field
 
 from ._arguments import MOST, real, whole
 
-TYPE_CHECKING = False  # as typing.TYPE_CHECKING: reading that module takes time
+TYPE_CHECKING = False  # as typing.TYPE_CHECKING, without the time to import typing
 if TYPE_CHECKING:
     from typing import Any, Literal, Mapping, NoReturn, Sequence, SupportsFloat
 
@@ -20,18 +20,18 @@ class Unit:
     name: str
     """The unit in which positions are shown, such as "deg" or "mm"."""
     size: float
-    """UU of a revolution; linear: of one `name`."""
+    """UU per revolution; for a linear axis, per `name`."""
     _sizes: Mapping[str, float] = field(compare=False)  # [UU] of the units that calls accept
 
     def to_user_units(self, value: SupportsFloat) -> int:
-        """Return a position in `name` in UU, rounded to the nearest.
+        """Convert a position in the unit `name` to UU, rounded to the nearest.
 
-        So for a speed or an acceleration in it per s or s^2.
+        Speeds and accelerations in `name` per s and s^2 are converted in the same way.
         """
         return whole("value", value, -2**63, MOST, "UU", (self.name, self._sizes[self.name]))
 
     def from_user_units(self, user_units: float) -> float:
-        """Return a position in UU, or a speed or acceleration in UU per s or s^2, in `name`."""
+        """Convert a position in UU, or a speed or acceleration in UU per s or s^2, to the unit `name`."""
         return real("user_units", user_units) / self._sizes[self.name]
 
     def __repr__(self) -> str:
@@ -55,7 +55,7 @@ class AxisInfo:
     app_speed_limit: int
     """607Fh at power-up, in UU/s."""
     unit: Unit
-    """The unit of its user units."""
+    """The physical unit of the user units of the axis."""
 
     def __repr__(self) -> str:
         return f"<vdrive.AxisInfo {self.id} {self.name}>"
@@ -63,12 +63,12 @@ class AxisInfo:
 
 @dataclass(frozen=True, repr=False, eq=False)
 class BenchInfo:
-    """The description of a bench that it publishes."""
+    """The description that a bench publishes."""
 
     number: int
     """Its number on the domain."""
     incarnation: int
-    """Of the service: another number after a restart."""
+    """The run of the service; it changes with a restart."""
     name: str
     """Its name."""
     clock_mode: Literal["realtime", "lockstep", "freerun"]
@@ -84,13 +84,13 @@ class BenchInfo:
     rate: float
     """Drive time over wall time; 0 = paused."""
     figures: dict[str, int]
-    """What it has counted and measured since its start, by the names of bench_state; 0 = not known yet."""
+    """Its counters and measurements since the start, by their names in bench_state; 0 = not known yet."""
     wire_starts: int
     """Starts of its network process; 0 = not known yet."""
     longest_silence: float
-    """Drive time without a message from an owner after which it loses its axes, in s."""
+    """Longest drive time so far without a message from an owner of axes, in s."""
     user_units_per_revolution: float
-    """UU of a revolution."""
+    """UU per revolution."""
     dictionary_version: str
     """Version of its object dictionary."""
     service_version: str
@@ -118,7 +118,7 @@ class Event:
     bench: int
     """Number of the bench."""
     incarnation: int
-    """Another one is another run of its service."""
+    """The run of the service; it changes with a restart."""
     axis: int
     """Number of the axis; 0 = the bench, or several axes."""
     kind: str
@@ -128,11 +128,11 @@ class Event:
     session: int
     """The session of the command, 0 = none."""
     code: int
-    """Of a fault 603Fh; see docs/reference/wire.md."""
+    """For a fault, 603Fh; see docs/reference/wire.md."""
     error_register: int
-    """1001h of a fault."""
+    """For a fault, 1001h."""
     suppressed: int
-    """Equal events left out before this one."""
+    """Number of identical events suppressed before this one."""
     text: str
     """Text for people."""
 
@@ -142,7 +142,7 @@ class Event:
 
 @dataclass(frozen=True, repr=False, eq=False)
 class ServiceChange:
-    """What has happened to a service."""
+    """A change in the presence of a service."""
 
     bench: int
     """Number of its bench."""
@@ -159,20 +159,20 @@ class ServiceChange:
 
 @dataclass(frozen=True, repr=False, eq=False)
 class Lateness:
-    """How late the samples of a Follower were, by the time of their bench.
+    """How far the samples of a Follower lagged behind the time of their bench when the program got them.
 
-    That is the newest tick that the session had received from it, when the program got them. Of a
-    program that takes samples slower than they come.
+    The time of the bench is the newest tick that the session has received from it. This reveals a
+    program that takes samples more slowly than they arrive.
     """
 
     samples: int
-    """Samples that the follower gave."""
+    """Samples that the follower returned."""
     late: int
-    """Of these, those after which a later one was due already."""
+    """Of these, those returned when a later one was already due."""
     last: float
-    """Of the newest sample, in s of drive time."""
+    """Lateness of the newest sample, in s of drive time."""
     longest: float
-    """The longest, in s of drive time."""
+    """Longest lateness, in s of drive time."""
 
     def __repr__(self) -> str:
         return (f"<vdrive.Lateness: {self.late} of {self.samples} samples, at most "

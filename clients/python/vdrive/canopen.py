@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 # mypy: disable-error-code="no-any-return"
-"""A CAN bus whose nodes are the axes of a private bench, for the test of a CANopen master.
+"""A CAN bus whose nodes are the axes of a private bench, for testing a CANopen master.
 
     import vdrive.canopen
 
@@ -8,9 +8,9 @@
         master = bus.can()                       # a bus of python-can
         ...
 
-The bus is the program vdrive-canopen with a bench of its own (`--private`): it needs no CAN interface
-and no DDS. Masters of any kind join it by the protocol of socketcand at `host` and `port`, several at
-a time, and scripts by that of CiA 309-3 at `gateway`.
+The bus is the program vdrive-canopen with a private bench (`--private`): it needs no CAN interface and
+no DDS. Any number of masters of any kind can join it through its socketcand server at `host` and `port`,
+and scripts through its ASCII gateway (CiA 309-3) at `gateway`.
 """
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ from ._arguments import real
 from ._bench import _configuration, _one_of, _path, _preset, _whole, _words
 from ._errors import ConfigurationError, Failed, Forked, NotFound
 
-TYPE_CHECKING = False  # as typing.TYPE_CHECKING: reading that module takes time
+TYPE_CHECKING = False  # as typing.TYPE_CHECKING, without the time to import typing
 if TYPE_CHECKING:
     from typing import Any, Iterable, Literal
 
@@ -39,7 +39,7 @@ _CLOCKS = ("realtime", "lockstep")
 _HIGHEST_NODE = 127
 _USUAL_AXES = 3
 _LONGEST_PERIOD = 10.0  # [s]
-_START = 60.0  # [s] A busy machine may start many of them at the same time.
+_START = 60.0  # [s] Long, because a busy machine may start many of them at the same time.
 _END = 5_000_000_000  # [ns]
 _POLL = 2_000_000  # [ns]
 _USAGE = 2  # exit code of a program that cannot use its arguments
@@ -47,7 +47,7 @@ _OF_A_NETWORK = ("VDRIVE_DOMAIN", "VDRIVE_SECURITY")  # variables that a private
 
 
 def find_program() -> str:
-    """Return the path of vdrive-canopen: VDRIVE_CANOPEN, else beside the interpreter, else in PATH."""
+    """Return the path of vdrive-canopen: VDRIVE_CANOPEN, else next to the interpreter, else in PATH."""
     path = os.environ.get("VDRIVE_CANOPEN") or _vdrive.find_program(_PROGRAM)
     if path is None:
         raise NotFound(f"{_PROGRAM} is not in PATH: install the package {_PROGRAM}, or name the "
@@ -56,10 +56,10 @@ def find_program() -> str:
 
 
 class _Places:
-    """What the first line of the program says: the nodes of its bus, and where masters join it."""
+    """The first line of the program's output: the nodes of its bus, and the addresses for masters."""
 
     def __init__(self, line: str) -> None:
-        """Read the line; ValueError names what it lacks."""
+        """Read the line; raise ValueError, with what is missing, for another line."""
         nodes = re.search(r"\b\d+ nodes? \(([^)]*)\)", line)
         if nodes is None:
             raise ValueError("no nodes")
@@ -84,14 +84,14 @@ def _place_of(name: str, line: str) -> tuple[str, int]:
 
 
 def _counters_of(output: str) -> dict[str, int]:
-    """Return what follows the first line: {"frames": 12} of "vdrive-canopen: bus 1: 12 frames"."""
+    """Return the counters after the first line: {"frames": 12} for "vdrive-canopen: bus 1: 12 frames"."""
     _, _, last = output.partition("\n")
     counted = re.findall(r"[,;:] (\d+) ([^\d,;:\n]+)", last)
     return {name.strip(): int(count) for count, name in counted}
 
 
 def _duration(seconds: float | None) -> str | None:
-    """Return the period of SYNC as the program takes it; it knows the limits."""
+    """Return the drive time of a SYNC in the form that the program accepts."""
     if seconds is None:
         return None
     period = real("sync_steps", seconds)
@@ -102,10 +102,11 @@ def _duration(seconds: float | None) -> str | None:
 
 
 class Bus:
-    """A CAN bus with the axes of a private bench as its nodes. `with` ends it.
+    """A CAN bus with the axes of a private bench as its nodes. `with` closes it.
 
-    It ends with this object and with this process, however that ends. Several do not meet. Heartbeats
-    and timers of its nodes count drive time; in lock-step a test repeats itself frame by frame.
+    It ends with this object, and with this process, however the process ends. Each bus is separate from
+    all others. Heartbeats and timers of the nodes count drive time: in lock-step each run of a test has
+    the same frames.
     """
 
     channel: str = "can0"
@@ -118,16 +119,17 @@ class Bus:
                  arguments: Iterable[object] = ()) -> None:
         """Start the program, and wait until its nodes have booted.
 
-        axes: number of default axes, 1 to 127; 3 without it and without `config`. preset: the axes are
-        of this machine, one of vdrive.PRESETS. config: a file in YAML that describes the bench. clock:
-        "lockstep", where time passes by SYNC alone, or "realtime"; the first one with `sync_steps`,
-        which it needs, else the other. sync_steps: drive time that each SYNC lets pass, in s, 0.000125
-        to 10. node_offset: what is added to the number of an axis for its node-ID, 0 to 126. program:
-        path of vdrive-canopen, by default that of find_program(). arguments: further ones of it.
+        axes: number of default axes, 1 to 127; by default 3, or as in `config`. preset: type of machine for
+        the axes, one of vdrive.PRESETS. config: a YAML file that describes the bench. clock: "lockstep",
+        in which only SYNC lets time pass, or "realtime"; by default "lockstep" if there is
+        `sync_steps`, which it needs, otherwise "realtime". sync_steps: drive time that each SYNC lets
+        pass, in s, 0.000125 to 10. node_offset: added to the number of an axis to give its node-ID, 0 to
+        126. program: path of vdrive-canopen, by default find_program(). arguments: additional ones for
+        the program.
 
-        A value that is out of range, unknown or contradicts another one raises ConfigurationError,
-        one of a wrong type TypeError; both name the argument. What the program itself refuses raises
-        ConfigurationError, any other end of it Failed; both have its text.
+        Raises ConfigurationError for a value that is out of range, unknown or contradicts another one,
+        and TypeError for one of a wrong type; both name the argument. If the program refuses its
+        arguments, raises ConfigurationError, if it ends for another reason, Failed; both have its text.
         """
         self._lock = threading.Lock()
         self._maker = os.getpid()
@@ -189,7 +191,7 @@ class Bus:
         return self._program.errors().decode(errors="replace").rstrip("\n")
 
     def _reason(self, code: int) -> str:
-        """Return how a signal has ended it, else what it has written before its end."""
+        """Return which signal ended the program, otherwise what it wrote before it ended."""
         errors = self._errors()
         if code < 0:
             wrote = f"; it wrote: {errors}" if errors else " and wrote nothing"
@@ -204,12 +206,12 @@ class Bus:
 
     @property
     def host(self) -> str:
-        """The address where masters join the bus by the protocol of socketcand."""
+        """The address of the socketcand server, where masters join the bus."""
         return self._places.socketcand[0]
 
     @property
     def port(self) -> int:
-        """Its TCP port."""
+        """The TCP port of the socketcand server."""
         return self._places.socketcand[1]
 
     @property
@@ -231,20 +233,20 @@ class Bus:
 
     @property
     def errors(self) -> str:
-        """What the program has written on standard error."""
+        """The output of the program on standard error so far."""
         self._require_own()
         return self._errors()
 
     @property
     def counters(self) -> dict[str, int]:
-        """What the program counted, such as {"frames": 1234}; empty before close()."""
+        """The counters of the program, such as {"frames": 1234}; empty before close()."""
         return dict(self._counters)
 
     def can(self, **options: Any) -> Any:
-        """Return a new bus of python-can on it, which close() closes, too.
+        """Return a new python-can bus that is connected to this one; close() also closes it.
 
         It is `can.Bus(interface="socketcand", host=bus.host, port=bus.port, channel=bus.channel)`;
-        `options` are further ones of can.Bus.
+        `options` are additional ones for can.Bus.
         """
         if self._is_closed:
             raise Failed("the bus has ended")
@@ -266,10 +268,10 @@ class Bus:
             raise Forked("the bus belongs to the process from which this one was forked")
 
     def close(self) -> None:
-        """Close what can() gave, and end the program. Any number of times.
+        """Close the buses from can(), and end the program. Can be called repeatedly.
 
-        Raises Failed when the program had ended by itself, or did not end as it should. In a forked
-        process it does nothing: the bus is its parent's.
+        Raises Failed if the program had already ended by itself, or did not end as it should. Does
+        nothing in a forked process: the bus belongs to the parent.
         """
         if os.getpid() != self._maker:
             return

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Fixtures of pytest: each test that asks for one has a bench of its own.
+"""Fixtures for pytest: each test that asks for one gets its own bench.
 
     def test_it_gets_there(vdrive_session):
         axis = vdrive_session.axis("1.1")
@@ -11,7 +11,7 @@
     def test_four(vdrive_session): ...
 
     def test_two_benches(vdrive_benches):
-        first, second = vdrive_benches(2, axes=1)      # the axes 1.1 and 2.1, in one clock
+        first, second = vdrive_benches(2, axes=1)      # the axes 1.1 and 2.1, on one clock
 
     def test_it_is_at_home(vdrive_shared_session): ... # one bench for many tests
 
@@ -21,12 +21,11 @@
     @pytest.mark.vdrive_can(axes=3)      # arguments of vdrive.canopen.Bus
     def test_a_master(vdrive_can): ...   # the axes are nodes of a CAN bus
 
-When a test with `vdrive_bench` fails, the last ticks and events of its bench are files beside the
-report, which names them; `--vdrive-record=0` turns that off.
+When a test with `vdrive_bench` fails, the last ticks and events of its bench are saved in files next to
+the report, which names them; `--vdrive-record=0` turns that off.
 
 The bench is in the process of the test. `--vdrive-over=dds` runs the same tests with a service over
-DDS; a test that starts programs of its own, which have to meet the bench, asks for it by
-`@pytest.mark.vdrive(over="dds")`.
+DDS; a test that starts other programs, which must find the bench, uses `@pytest.mark.vdrive(over="dds")`.
 """
 from __future__ import annotations
 
@@ -38,7 +37,7 @@ import zlib
 
 import pytest
 
-TYPE_CHECKING = False  # as typing.TYPE_CHECKING: reading that module takes time
+TYPE_CHECKING = False  # as typing.TYPE_CHECKING, without the time to import typing
 if TYPE_CHECKING:
     from typing import Any, Callable, Generator, Iterator
 
@@ -51,7 +50,7 @@ if TYPE_CHECKING:
     Start = Callable[[vdrive.Session], object]
 
 
-# Statuses of one axis: some 60 MB in total. A bench with many axes keeps fewer ticks.
+# Statuses of axes to keep, some 60 MB: with many axes, these are fewer ticks.
 _MOST_STATUSES = 400_000
 _MOST_EVENTS = 1024  # as many as a bench keeps
 _MOST_FAILURES = 20  # failed tests of one process that leave files
@@ -69,7 +68,7 @@ def _ticks(text: str) -> int:
 
 
 class _Recorder:
-    """The last ticks and events of a bench, for a test that fails. It never fails itself."""
+    """Keeps the last ticks and events of a bench, in case the test fails. It never fails itself."""
 
     def __init__(self, bench: vdrive.Bench, ticks: int) -> None:
         self._session: vdrive.Session | None = None
@@ -92,7 +91,7 @@ class _Recorder:
             self._session.close()
 
     def save(self, stem: str) -> str:
-        """Write the files `stem`.mcap and `stem`.events.txt; return what a report says of them."""
+        """Write the files `stem`.mcap and `stem`.events.txt; return the text for the report."""
         if self._problem is not None:
             return f"the bench was not recorded: {self._problem}"
         try:
@@ -103,7 +102,7 @@ class _Recorder:
             return f"the record of the bench cannot be written: {error}"
 
     def _stories(self) -> list[str]:
-        """Return what led to the faults of the bench, newest first."""
+        """Return the explanations of the faults of the bench, newest first."""
         stories: list[str] = []
         with contextlib.suppress(Exception):  # the test may have ended the bench
             assert self._session is not None
@@ -137,7 +136,7 @@ class _Recorder:
         while time.monotonic() < end:
             try:
                 part = self._stream.take(timeout=0.1)
-            except Exception:  # the stream has ended, with the bench or before
+            except Exception:  # the stream has ended, perhaps with the bench
                 break
             parts += [part] if len(part) else []
             if not len(part) or present is None or part["tick"][-1, 0] >= present["tick"][0, 0]:
@@ -149,7 +148,7 @@ class _Recorder:
 
     def _save_events(self, path: str) -> str:
         lines: list[str] = []
-        with contextlib.suppress(Exception):  # as above
+        with contextlib.suppress(Exception):  # the test may have ended the bench
             while len(lines) < _MOST_EVENTS:
                 event = self._events.next(timeout=0.05)
                 if event is None:
@@ -175,7 +174,7 @@ def _record_directory(config: pytest.Config) -> str:
 
 
 def _file_name(test: str) -> str:
-    """Return the name of a test as a file can have it, of bounded length."""
+    """Return the name of a test as a file name of limited length."""
     name = re.sub(r"[^\w.-]+", "_", test, flags=re.ASCII)
     is_the_same = name == test.replace("::", "_").replace("/", "_") and len(name) <= _LONGEST_NAME
     return name if is_the_same else (
@@ -183,7 +182,7 @@ def _file_name(test: str) -> str:
 
 
 def _complete_report(item: pytest.Item) -> Generator[None, Any, None]:
-    """Fail a test by what the judge finds, or save the last ticks and events of one that failed."""
+    """Fail a test because of findings of the judge, or save the last ticks and events of a failed test."""
     outcome = yield
     report = outcome.get_result()
     judge = getattr(item, "funcargs", {}).get("vdrive_judge")
@@ -208,7 +207,7 @@ def _complete_report(item: pytest.Item) -> Generator[None, Any, None]:
     report.sections.append(("vdrive bench", text))
 
 
-# Not as a decorator, which has no types.
+# Not used as a decorator, because it has no types.
 pytest_runtest_makereport = pytest.hookimpl(hookwrapper=True)(_complete_report)
 
 
@@ -246,7 +245,7 @@ def _options_of(request: pytest.FixtureRequest) -> Options:
 
 
 def _marked(request: pytest.FixtureRequest, name: str) -> Options:
-    """Return the arguments that the markers of a test give; of the closest one where several do."""
+    """Return the arguments from the markers of a test; if several give the same one, the closest counts."""
     import vdrive
 
     options: Options = {}
@@ -260,13 +259,13 @@ def _marked(request: pytest.FixtureRequest, name: str) -> Options:
 
 
 def _name_domain(monkeypatch: pytest.MonkeyPatch, options: Options, bench: vdrive.Bench) -> None:
-    """Make VDRIVE_DOMAIN name the domain of a bench over DDS, for programs of the test."""
+    """Set VDRIVE_DOMAIN to the domain of a bench over DDS, for programs that the test starts."""
     if options["over"] == "dds":
         monkeypatch.setenv("VDRIVE_DOMAIN", str(bench.domain))
 
 
 class _Judge:
-    """Judges what a test does on vdrive_bench, once it has passed."""
+    """Judges what a test did on vdrive_bench, once the test has passed."""
 
     def __init__(self, journal: str, options: Options) -> None:
         import vdrive
@@ -294,7 +293,7 @@ class _Judge:
         return vdrive.judge(self.journal, off=self._off)
 
     def failure(self) -> tuple[str, list[str]]:
-        """Return why the test fails, empty where it does not, and exceptions that cover nothing."""
+        """Return why the test fails, or an empty text, and the exceptions that cover nothing."""
         try:
             verdict = self.verdict()
         except Exception as error:  # such as an error in the marker
@@ -307,10 +306,9 @@ class _Judge:
 def vdrive_judge(request: pytest.FixtureRequest, tmp_path: Any) -> _Judge:
     """Judge what this test does on vdrive_bench, as `vdrive judge` does: a finding fails the test.
 
-    Once the function of the test has passed, its bench ends, before other fixtures do.
-
-    The marker vdrive_judge has the exceptions, off={rule: reason}, and fail_on, "error" by default,
-    "warning" or "advice". verdict() ends the bench and returns what was found.
+    When the test function has passed, its bench ends, before the other fixtures. The marker vdrive_judge
+    takes the exceptions, off={rule: reason}, and fail_on: "error" (default), "warning" or "advice".
+    verdict() ends the bench and returns the findings.
     """
     return _Judge(str(tmp_path / "bench.journal"), _marked(request, "vdrive_judge"))
 
@@ -318,12 +316,12 @@ def vdrive_judge(request: pytest.FixtureRequest, tmp_path: Any) -> _Judge:
 @pytest.fixture
 def vdrive_bench(request: pytest.FixtureRequest,
                  monkeypatch: pytest.MonkeyPatch) -> Iterator[vdrive.Bench]:
-    """A private bench, in lock-step. Over DDS VDRIVE_DOMAIN names its domain."""
+    """A private bench, in lock-step. For a bench over DDS, VDRIVE_DOMAIN is its domain."""
     import vdrive  # imported only when a test needs a bench: it takes time
 
     options = _options_of(request)
     ticks = request.config.getoption("--vdrive-record")
-    if ticks is None:  # over DDS, a further session takes time to find the bench
+    if ticks is None:  # over DDS, an additional session takes time to find the bench
         ticks = _USUAL_TICKS if options["over"] == "local" else 0
     judge = request.getfixturevalue("vdrive_judge") if "vdrive_judge" in request.fixturenames else None
     if judge is not None:
@@ -357,10 +355,10 @@ def vdrive_session(vdrive_bench: vdrive.Bench) -> Iterator[vdrive.Session]:
 @pytest.fixture
 def vdrive_benches(request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch,
                    ) -> Iterator[Callable[..., list[vdrive.Bench]]]:
-    """A function that makes private benches which meet each other: `vdrive_benches(2, axes=1)`.
+    """A function that creates private benches for use by one session: `vdrive_benches(2, axes=1)`.
 
-    It returns a list of so many benches, with the numbers from 1 on. Their options are those of the
-    marker and of the call. Benches of another call do not meet them. All end with the test.
+    It returns a list of that many benches, numbered from 1. Their options come from the marker and from
+    the call. Benches from different calls are separate. All end with the test.
     """
     import vdrive
     from vdrive._arguments import whole
@@ -390,10 +388,10 @@ def vdrive_benches(request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPat
 
 @pytest.fixture
 def vdrive_can(request: pytest.FixtureRequest) -> Iterator[vdrive.canopen.Bus]:
-    """A CAN bus of this test, by default with one axis: node 1. The marker vdrive_can chooses another.
+    """A CAN bus for this test, by default with one axis, node 1; the marker vdrive_can has its arguments.
 
-    It ends with the test, and what its can() gave is closed. A test fails when the program of the bus
-    has ended by itself.
+    It ends with the test, which closes the buses from its can(). The test fails if the program of the
+    bus has ended by itself.
     """
     from vdrive import canopen  # imported only when a test needs a bus: it takes time
 
@@ -405,7 +403,7 @@ def vdrive_can(request: pytest.FixtureRequest) -> Iterator[vdrive.canopen.Bus]:
 
 
 class _SharedBench:
-    """A bench that tests use one after the other, and its snapshot of before the first of them."""
+    """A bench that tests use one after the other, with a snapshot from before the first test."""
 
     # 0x08000021: another session is in control.
     _IS_OWNED = 0x08000021
@@ -454,7 +452,7 @@ class _SharedBench:
             self._keeper.set_rate(self._rate)
 
     def restore(self) -> None:
-        """Give all axes the state of the snapshot, and no owner."""
+        """Restore all axes to the snapshot, without owners."""
         with self._time_stands():
             for number in self._keeper.snapshots():  # a bench keeps 16
                 if number != self._snapshot:
@@ -464,34 +462,35 @@ class _SharedBench:
             except self._refused as refusal:
                 if refusal.code != self._IS_OWNED:
                     raise
-                # Held by a session that the bench does not know, or by one that is just ending.
+                # Held by a session that bench.session() did not open, or by one that is just ending.
                 for axis in self._keeper.axes():
                     axis.take_over()
                 self._keeper.restore_snapshot(self._snapshot)
             if self._rate is None:
-                # The bench reports the changes with its next tick. They are not events of the next
-                # test.
+                # The bench reports the restored changes as events of its next tick. This tick belongs to
+                # no test.
                 self._keeper.step(1)
                 self._keeper.restore_snapshot(self._snapshot)
         self._keeper.release()
 
     def end_test(self) -> None:
-        """Close the sessions of the test: a callback or a stepper must not act in the next one.
+        """Close the sessions of the test: a callback or a stepper must not act in the next test.
 
-        So do the benches that it made beside this one, which the next test would find.
+        Also end the benches that the test created with this one as `beside`: the next test would find
+        them.
         """
         self.bench._close_others()
         self.bench._close_sessions(but=self._keeper)
 
 
 class _SharedBenches:
-    """The shared benches of a run of pytest: one for each choice of options."""
+    """The shared benches of a run of pytest: one for each set of options."""
 
     def __init__(self) -> None:
         self._benches: list[_SharedBench] = []
 
     def get(self, options: Options, start: Start | None) -> _SharedBench:
-        """Return the shared bench with these options, in its state of before the first test."""
+        """Return the shared bench with these options, in its state before the first test."""
         import vdrive
 
         for shared in self._benches:
@@ -521,9 +520,9 @@ def _vdrive_shared_benches() -> Iterator[_SharedBenches]:
 
 @pytest.fixture(scope="session")
 def vdrive_shared_start() -> Start | None:
-    """What a shared bench does before its first test: a function of a session. None: nothing.
+    """A function that prepares a shared bench before its first test; it gets a session. None = no preparation.
 
-    A project overrides it, with the scope of the session or of a module.
+    Override this fixture in your project, with session or module scope.
     """
     return None
 
@@ -532,10 +531,10 @@ def vdrive_shared_start() -> Start | None:
 def vdrive_shared_bench(request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch,
                         _vdrive_shared_benches: _SharedBenches,
                         vdrive_shared_start: Start | None) -> Iterator[vdrive.Bench]:
-    """A bench that all tests with these options share, each from its state of before the first one.
+    """A bench that all tests with these options share; each starts with the state before the first test.
 
-    Its axes have no owner. What passes on is the tick number, the history of events, and the numbers
-    of sessions. A bench that a test has ended is made again.
+    The axes have no owner. The tick number, session numbers, epochs and the history of events carry
+    over. A bench that a test has ended is created again.
     """
     options = _options_of(request)
     shared = _vdrive_shared_benches.get(options, vdrive_shared_start)

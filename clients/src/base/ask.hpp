@@ -70,7 +70,7 @@ inline msg::Request power_cycle(Axes axes) {
   return request<msg::RequestKind::power_cycle, &msg::Request::axes>(std::move(axes));
 }
 
-/// @param shown axes whose status the reply contains
+/// @param shown axes whose status the reply must contain
 /// @param last_sequence number of the last command frame that must have arrived before the step
 inline msg::Request step(std::uint64_t ticks, Axes shown, std::uint64_t last_sequence = 0) {
   return request<msg::RequestKind::step, &msg::Request::ticks, &msg::Request::axes,
@@ -82,7 +82,7 @@ inline msg::Request set_rate(double rate) {
   return request<msg::RequestKind::set_rate, &msg::Request::rate>(rate);
 }
 
-/// @param steppers that time waits for, including this one
+/// @param steppers number of steppers that time waits for, including this one
 inline msg::Request join_clock(std::uint64_t steppers) {
   return request<msg::RequestKind::join_clock, &msg::Request::ticks>(steppers);
 }
@@ -122,7 +122,7 @@ inline msg::Request next_window(std::uint64_t number) {
   return request<msg::RequestKind::next_window, &msg::Request::snapshot>(number);
 }
 
-/// @param place of the last item of the previous page; 0 = none
+/// @param place where the page begins, as the previous page returned it; 0 = the beginning
 inline msg::Request read_window(std::uint64_t number, Axes axes, std::uint64_t place) {
   return request<msg::RequestKind::read_window, &msg::Request::snapshot, &msg::Request::axes,
                  &msg::Request::ticks>(number, std::move(axes), place);

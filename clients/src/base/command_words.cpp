@@ -42,8 +42,8 @@ std::vector<std::uint16_t> words_to(EachCommand command, PowerState state, const
       return {kQuickStop};
     case EachCommand::reset_fault:
       if (!is_fault(state)) return {};  // 0000h would remove the power from an axis that is enabled
-      // Bit 7 goes up and down again, so that the next reset finds its edge; 0000h commands nothing
-      // in Fault.
+      // Bit 7 rises and falls again, so that the next reset has an edge; 0000h has no effect in
+      // Fault.
       return {kDisableVoltage, Controlword::kFaultReset, kDisableVoltage};
     case EachCommand::power_cycle:
       break;

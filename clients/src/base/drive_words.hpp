@@ -17,13 +17,13 @@ using controlwords::kQuickStop;
 using controlwords::kShutdown;
 inline constexpr std::uint16_t kHalt = kEnableOperation | Controlword::kHalt;
 
-/// Also sets bits 4 to 6, which cyclic synchronous position does not define: a drive with the habit
-/// 5E20h:02 follows positions only while they are 1.
+/// Enable operation with bits 4 to 6 set, which cyclic synchronous position does not define: a
+/// drive with the habit 5E20h:02 follows positions only while they are 1.
 inline constexpr std::uint16_t kReleaseStream = kEnableOperation | Controlword::kNewSetPoint |
                                                 Controlword::kChangeSetImmediately |
                                                 Controlword::kRelative;
 
-/// The first value of 605Ah after which an axis stays in Quick stop active.
+/// The lowest value of 605Ah with which an axis stays in Quick stop active.
 inline constexpr std::int64_t kFirstQuickStopThatStays = 5;
 
 /// Adds a further object to a command (up to msg::MAX_OBJECTS_PER_AXIS). The bench writes it after
@@ -57,8 +57,8 @@ inline void add_word(msg::AxisCommand& command, std::uint16_t word) {
   return axis.shows(Statusword::kTargetReached);
 }
 
-/// @return whether bit 10 reports a target. It does not without a mode (6060h = 0), in which the
-///         axis stands still, and in the cyclic modes, in which the master plans the path.
+/// @return whether bit 10 reports a target. It does not in the cyclic modes, where the master plans
+///         the path, nor without a mode (6060h = 0), where the axis stands still.
 [[nodiscard]] inline bool has_target_bit(const AxisSnapshot& axis) {
   const OperatingModeRow* const row = find_operating_mode(axis.mode());
   return row == nullptr || row->has_target;
@@ -82,15 +82,15 @@ inline void add_word(msg::AxisCommand& command, std::uint16_t word) {
          state == PowerState::fault_reaction_active;
 }
 
-/// @return whether nothing moves the axis: it is not driven, or its demand is at rest and no
-///         command is leading it elsewhere. An applied torque counts as motion.
+/// @return whether nothing moves the axis: it is not driven, or its demand is at rest with no
+///         target left to reach. An applied torque counts as motion.
 [[nodiscard]] inline bool rests(const AxisSnapshot& axis) {
   if (!is_driven(axis)) return true;
   if (axis.status.velocity_demand_value != 0 || axis.has_torque()) return false;
   return !has_target_bit(axis) || target_reached(axis);
 }
 
-/// @return whether a quick stop has ended, or the axis is at rest if 605Ah keeps the state.
+/// @return whether a quick stop has ended: in another state, or at rest if 605Ah keeps the state.
 [[nodiscard]] inline bool quick_stop_ended(const AxisSnapshot& axis, std::int64_t option) {
   return axis.state() != PowerState::quick_stop_active ||
          (option >= kFirstQuickStopThatStays && target_reached(axis));

@@ -38,7 +38,7 @@ bool is_test_input(ObjectAddress object) {
 /// The value of an object at the time of the cause.
 struct Known {
   std::int64_t value = 0;
-  std::optional<AxisWrite> write{};  ///< that set the value; nothing: the value predates the window
+  std::optional<AxisWrite> write{};  ///< of the value; nothing: it predates the window
 };
 
 std::string hex_text(std::uint64_t number) {
@@ -101,8 +101,7 @@ class Story {
     } else if (write.kind == AxisWrite::Kind::connection_loss) {
       lost_at_ = write.tick;
     } else if (write.kind == AxisWrite::Kind::power_cycle) {
-      // Test-bench inputs keep their values; the window does not show what the other objects hold
-      // now.
+      // Test-bench inputs keep their values; those of the other objects are no longer known.
       std::erase_if(known_, [](const auto& known) {
         return !is_test_input(known.first);
       });
@@ -124,7 +123,7 @@ class Story {
     return text + " at tick " + std::to_string(cause_.tick);
   }
 
-  /// @return such as "31 ms", or "1.204 s" from a second on.
+  /// @return a text such as "31 ms", or "1.204 s" from one second on.
   [[nodiscard]] std::string time_text(std::uint64_t ticks) const {
     const std::chrono::duration<double> time(std::chrono::duration<double>(bench_.period).count() *
                                              static_cast<double>(ticks));
@@ -146,7 +145,7 @@ class Story {
     return write.session == 0 ? "by a program without a session" : "by " + name_of_(write.session);
   }
 
-  /// Adds the test-bench inputs that acted at the cause or until shortly before.
+  /// Adds the test-bench inputs that were not 0 at the time of the cause.
   void add_inputs() {
     for (const auto& [object, known] : known_) {
       if (!is_test_input(object) || known.value == 0) continue;

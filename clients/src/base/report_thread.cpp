@@ -10,7 +10,7 @@
 namespace vdrive::client {
 namespace {
 
-/// Numbers instead of addresses: a report may destroy its object while its thread is running.
+/// Numbers, as an address may be reused: a report may destroy its object while its thread runs.
 std::uint64_t next_reporter() noexcept {
   static std::atomic<std::uint64_t> last{0};
   return ++last;
@@ -57,8 +57,8 @@ void ReportThreads::end_runs(std::optional<std::uint64_t> reporter) {
   }
   for (const auto& run : ended) run->thread.request_stop();
   // A report waits neither for itself nor for a report that replaced it or was replaced by it,
-  // because that one may be waiting for this one. A later call, at the latest the end of the
-  // session, waits for them.
+  // because that report may be waiting for this one. A later call waits for them, if only the one
+  // at the end of the session.
   std::erase_if(ended, [](const auto& run) {
     return run->reporter == reporter_of_this_thread() && !run->is_over;
   });

@@ -39,7 +39,7 @@ class ReportThreads {
 /// it waits for a report in progress. Thread-safe.
 class ReportThread {
  public:
-  /// Must not report after a stop was requested: its own report may request it.
+  /// Must not report once a stop is requested, which its own report may do.
   using Work = std::function<void(const std::stop_token&)>;
 
   explicit ReportThread(ReportThreads& threads);

@@ -6,8 +6,8 @@
 namespace vdrive::client {
 namespace {
 
-/// The interrupts that the current call of this thread survives. Thread-local, because all calls
-/// share the waiting parts of a session, but each call waits on its caller's thread.
+/// The interrupts that the current call of this thread survives. Thread-local, because all calls of
+/// a session wait in the same objects, but each on its caller's thread.
 struct Survived {
   const Wakeup* wakeup = nullptr;
   std::uint64_t interrupts = 0;
@@ -31,7 +31,7 @@ Wakeup::StopInProgress::~StopInProgress() {
   survived() = {.wakeup = outer_wakeup_, .interrupts = outer_interrupts_};
 }
 
-/// Notifies without holding the lock: the woken threads take it first.
+/// Notifies without holding the lock, because a woken thread takes it first.
 void Wakeup::notify() {
   {
     const std::scoped_lock lock(mutex_);

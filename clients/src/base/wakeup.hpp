@@ -13,7 +13,7 @@
 
 namespace vdrive::client {
 
-/// Wakes calls that wait when something may have changed, and ends them on an interrupt. Holds none
+/// Wakes waiting calls when something may have changed, and ends them on an interrupt. Holds none
 /// of the state that they wait for: each condition locks the state that it reads, and no call holds
 /// such a lock while it waits. In a forked process, interrupts do nothing, because another thread
 /// of the parent may have held the lock; no call gets as far as a wait there, see
@@ -23,18 +23,18 @@ class Wakeup {
   using Clock = std::chrono::steady_clock;
 
   /// Sets the work that a thread does for a bench before it waits for that bench
-  /// (wire::Participant::run_local_work). To be called before the first wait.
+  /// (wire::Participant::run_local_work). Call this before the first wait.
   void work_with(std::function<wire::LocalWork(std::uint32_t bench)> work) {
     work_ = std::move(work);
   }
 
-  /// Reports a change. To be called after the change.
+  /// Reports a change. Call this after making the change.
   void notify();
 
   /// Ends the calls that can be interrupted, now and later.
   void interrupt() noexcept;
 
-  /// Later calls wait again.
+  /// From now on, calls wait again.
   void end_interrupt() noexcept;
 
   /// @return whether the current call of this thread must end.
@@ -44,7 +44,7 @@ class Wakeup {
   [[nodiscard]] bool is_stopping() const noexcept;
 
   /// Marks a call of this thread that stops axes, for its lifetime. An interrupted program can
-  /// still stop axes: only a later interrupt ends the call.
+  /// still stop axes: only an interrupt during the call ends it.
   class StopInProgress {
    public:
     explicit StopInProgress(const Wakeup& wakeup);
@@ -61,16 +61,16 @@ class Wakeup {
   ///         later change.
   [[nodiscard]] std::uint64_t changes() const;
 
-  /// Works for the bench while there is work and the number of changes is still `changes`.
+  /// Does the work of the bench while there is some and the number of changes is still `changes`.
   /// @return whether there was any work.
   bool work(std::uint64_t changes, std::uint32_t bench);
 
-  /// Works for the bench, then waits until the number of changes exceeds `changes`, or for the
-  /// deadline. If another thread is working for the bench, the wait ends after a millisecond,
+  /// Does the work of the bench, then waits until the number of changes exceeds `changes`, or until
+  /// the deadline. If another thread is working for the bench, the wait ends after a millisecond,
   /// because this thread may have to take over.
   void work_until(std::uint64_t changes, std::uint32_t bench, Clock::time_point deadline);
 
-  /// Waits until the number of changes exceeds `changes`, or for the deadline.
+  /// Waits until the number of changes exceeds `changes`, or until the deadline.
   void wait_until(std::uint64_t changes, Clock::time_point deadline);
 
  private:

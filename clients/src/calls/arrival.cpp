@@ -28,7 +28,7 @@ constexpr std::size_t kSoftwareLimits = 2;
 constexpr std::uint8_t kNegativeLimitSwitch = 1U << 0U;  // of 60FDh
 constexpr std::uint8_t kPositiveLimitSwitch = 1U << 1U;
 
-/// @param target none if it is unknown, or beyond the range of the register
+/// @param target none if it is unknown; then the result has only the direction of motion
 std::int64_t way_to(const AxisSnapshot& axis, std::optional<std::int32_t> target) {
   if (!target) return axis.status.velocity_demand_value;
   return std::int64_t{*target} - axis.status.position_demand_value;

@@ -33,8 +33,8 @@ inline constexpr std::array kControlwordObject = [] {
 /// @return failed if the axis is halted.
 Outcome check_halt(AxesCall& call);
 
-/// Records, in each observed tick, whether a limit switch blocks the way of an axis. The drive
-/// abandons its target in such a tick for good, even if the switch opens again.
+/// Records, in each observed tick, whether a limit switch blocks the way of an axis. In such a tick
+/// the drive abandons its target for good, even if the switch opens again.
 class LimitSwitchWatch {
  public:
   /// @param way the sign is the direction to the target, 0 = none
@@ -44,7 +44,7 @@ class LimitSwitchWatch {
   [[nodiscard]] bool has_ended(const AxisSnapshot& axis) const;
 
   /// @param unit of the axis
-  /// @param what such as "the move to 1000 UU"
+  /// @param what the motion, such as "the move to 1000 UU"
   /// @return failed, naming the switch, if the target was abandoned.
   [[nodiscard]] Outcome outcome(const AxisSnapshot& axis, const Unit& unit,
                                 const std::string& what) const;
@@ -71,8 +71,8 @@ class LimitSwitchWatch {
 [[nodiscard]] Outcome check_set_point(const AxisSnapshot& axis);
 
 /// Waits until the axis is at its target.
-/// @param target absolute, none if unknown: then a limit switch is detected by the speed
-/// @param from tick in which the drive has the set-point
+/// @param target absolute, none if unknown: then the direction of motion selects the switch
+/// @param from tick from which on the drive has the set-point
 /// @return failed also if it was halted on the way, if a limit switch or another command ended the
 ///         motion, or if the wait was interrupted: in that case the motion continues.
 Outcome await_target(AxesCall& call, const Wakeup& wakeup, std::optional<std::int32_t> target,

@@ -25,7 +25,7 @@ constexpr milliseconds kFirstMargin{20};
 constexpr int kMarginGrowth = 4;
 constexpr int kAttempts = 4;
 
-// Longer than any stop with the steepest ramps that the defaults allow.
+// Longer than any stop with the default ramps.
 constexpr std::chrono::seconds kStopTime{5};
 
 std::vector<msg::Request> read_requests(const GroupLayout::Bench& bench,
@@ -138,8 +138,8 @@ Outcome AxesCall::require(bool (*fulfils)(const AxisSnapshot& axis), std::string
                                          : refused_in_state(*offender(), command, needs);
 }
 
-/// Only those that the session does not have: acquiring an axis again would end the commands it was
-/// given before.
+/// Only those that the session does not have: acquiring an axis again would end its earlier
+/// commands.
 std::vector<std::uint16_t> AxesCall::axes_to_acquire(const BenchPart& part) const {
   std::vector<std::uint16_t> axes;
   for (const AxisSnapshot& axis : part.seen.axes) {
@@ -345,7 +345,7 @@ void AxesCall::cancel_pending() {
   for (const BenchPart& part : axes_.parts()) {
     SentFrames sent{.target = part.target, .sequences = {}};
     Outcome outcome = core_->exchange.send(sent, {&cancel, 1});
-    // The answers to those frames report their outcome.
+    // The answers to the cancelled frames report the outcome.
     (void)core_->exchange.collect(sent, std::move(outcome));
   }
 }
@@ -358,7 +358,7 @@ Answers AxesCall::collect(std::span<const SentFrames> sent, Outcome outcome) {
     BenchPart& part = axes_.parts()[i];
     auto applied = core_->exchange.collect(sent[i], wait ? Outcome() : answers.outcome);
     applied.outcome = axes_.note_lost(part, std::move(applied.outcome));
-    // Frames were cancelled because of another refusal, and that one names the cause.
+    // A cancelled frame is only the effect of another refusal, which names the cause.
     if (!applied.outcome &&
         (answers.outcome || answers.outcome.code() == wire::number(msg::Reason::cancelled))) {
       answers.outcome = applied.outcome;
@@ -459,7 +459,7 @@ bool AxesCall::is_superseded() const {
 }
 
 Outcome AxesCall::check(std::string_view awaited, std::uint64_t from) {
-  // First the owners: they are recorded in each tick, also in those before `from`.
+  // The owners first, because they must be recorded in each tick, even before `from`.
   Outcome own = check_owners();
   if (tick() < from) return {};
   if (!own) return axes_.caller() == Caller::axis ? own : stop_others(std::move(own));
@@ -532,7 +532,7 @@ Outcome AxesCall::send_stop(Outcome cause, Answers& stop) {
            find_end(entry.place).has_value();
   });
   if (!round.entries.empty()) stop.outcome = renew_control(round);
-  // Immediately: a common tick would be later, and a lost bench cannot take part in it.
+  // Immediately, because a common tick would be later and a lost bench could not meet it.
   if (stop.outcome && !round.entries.empty()) stop = exchange({&round, 1}, Timing::at_once);
   // A service that is shutting down brakes its axes itself.
   if (stop.outcome || stop.outcome.code() == wire::number(msg::Reason::shutting_down)) return cause;

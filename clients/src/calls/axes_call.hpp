@@ -27,7 +27,8 @@ namespace vdrive::client {
 [[nodiscard]] Outcome refused_in_state(const AxisSnapshot& axis, std::string_view command,
                                        std::string_view hint);
 
-/// @return failed, with the state that the axis shows instead of the awaited one; the cause first.
+/// @return failed, with the error, if any, and the state that the axis shows instead of the awaited
+///         one.
 [[nodiscard]] Outcome failed_instead_of(std::string_view awaited, const AxisSnapshot& axis);
 
 /// @return timed_out, with the state that the axis shows instead of the awaited one.
@@ -68,10 +69,10 @@ class AxesCall {
   Outcome open() { return axes_.open(); }
 
   /// Connects and observes the axes for the first time.
-  /// @param timeout drive time from then on
+  /// @param timeout drive time, from the first observation on
   Outcome begin(std::chrono::nanoseconds timeout);
 
-  /// Takes control of every axis: after begin() and before the first command.
+  /// Takes control of every axis. Call this after begin() and before the first command.
   /// @param by_force also of axes that another session owns
   Outcome acquire(bool by_force = false);
 
@@ -98,7 +99,7 @@ class AxesCall {
     return axes_.snapshots();
   }
 
-  /// The first axis; the only one if the call is of a single axis.
+  /// The first axis; the only one in a call for a single axis.
   [[nodiscard]] const AxisSnapshot& snapshot() const { return axes_.snapshots().front(); }
 
   [[nodiscard]] std::uint64_t tick() const noexcept { return axes_.tick(); }
@@ -120,7 +121,8 @@ class AxesCall {
   /// As position_text(), for a velocity [UU/s].
   [[nodiscard]] std::string velocity_text(std::int64_t user_units) const;
 
-  /// Requires that every axis currently `fulfils` a condition (ObservedAxes::look_again).
+  /// Checks that every axis `fulfils` a condition, after ObservedAxes::look_again() if one does
+  /// not.
   /// @return refused, naming the first axis that does not
   Outcome require(bool (*fulfils)(const AxisSnapshot& axis), std::string_view command,
                   std::string_view needs);
@@ -177,7 +179,7 @@ class AxesCall {
   ///        tick is observed, and no further one is stepped
   Outcome await_in_force(bool has_stepped = false);
 
-  /// As above, with controlwords for every axis.
+  /// As put_in_force() of rounds, with the same controlwords for every axis.
   Outcome put_in_force(const std::vector<std::uint16_t>& controlwords);
 
   /// Sends rounds; their answers are collected later.
@@ -188,8 +190,8 @@ class AxesCall {
 
   Answers collect(std::span<const SentFrames> sent, Outcome outcome);
 
-  /// By place: the last command of this call that ended the previous motion of its axis; if none of
-  /// them does that (a resume, for example), the first command.
+  /// By place: the last command of this call that ended the previous motion of its axis; if none
+  /// did (a resume, for example), the first command.
   [[nodiscard]] const std::vector<GivenCommand>& given() const noexcept { return given_; }
 
   /// Makes this call wait for commands that an earlier call has given to axes of this session.
@@ -226,9 +228,9 @@ class AxesCall {
   // ---- stopping
 
   /// Stops the others if an axis, observed at `from` or later, is not in Operation enabled, belongs
-  /// to another session, or has got a command that is not from this call.
-  /// @return refused if another session has taken an axis; failed if this session has given it
-  ///         another command: this call does not wait for that command and does not stop that axis
+  /// to another session, or has got a command from elsewhere in this session.
+  /// @return refused if another session has taken an axis; failed if another call of this session
+  ///         has commanded it: that axis is not stopped
   Outcome check(std::string_view awaited, std::uint64_t from);
 
   /// Records that this session had every axis before this call; check_owners() compares with that.

@@ -43,7 +43,7 @@ bool in_operation(PowerState state) {
 }  // namespace
 
 struct AxesCommand::Row {
-  /// How many axes of a group must be able to take it; the others are left out.
+  /// How many axes of a group must be able to take the command; the others are left out.
   enum class Takers : std::uint8_t { all, one, any };
 
   EachCommand command;
@@ -163,7 +163,7 @@ bool AxesCommand::await_before() {
   const std::uint64_t begin = call_.tick();
   (this->*row_.await_before)();
   if (!has_pending() || call_.tick() == begin) return call_.tick() != begin;
-  // The axes may have changed during the wait; in a group, even one that needed nothing before.
+  // The axes may have changed during the wait; in a group, even an axis that needed nothing before.
   if (is_group()) is_pending_.assign(is_pending_.size(), true);
   if (is_group() || row_.command == EachCommand::reset_fault) judge();
   return true;
@@ -246,7 +246,7 @@ Outcome AxesCommand::outcome() const {
   return failed == outcomes_.end() ? Outcome() : *failed;
 }
 
-/// In a group, an axis that is not in Operation enabled although it should be stops the others.
+/// Stops a group if the command should leave an axis in Operation enabled and it is not.
 void AxesCommand::conclude_group() {
   if (row_.stays_enabled && !is_left_out_ && has_pending()) {
     end_all(call_.check(row_.awaited, from_));
@@ -254,7 +254,7 @@ void AxesCommand::conclude_group() {
   if (row_.ends_faults) end_if_faulty();
 }
 
-/// Ends the axes that did not reach the awaited state.
+/// Sets a failure for each axis that did not reach the awaited state.
 void AxesCommand::conclude() {
   if (is_group()) return conclude_group();
   std::optional<Outcome> service;  // asked once
@@ -269,7 +269,7 @@ void AxesCommand::conclude() {
   }
 }
 
-/// Ends a group in which an axis has a fault, whether or not the command was for that axis.
+/// Sets a failure for a group if an axis has a fault, whether or not the command was for that axis.
 void AxesCommand::end_if_faulty() {
   if (call_.tick() < from_ || !outcome()) return;
   const auto faulty = std::ranges::find_if_not(call_.snapshots(), has_no_fault);
@@ -516,7 +516,7 @@ Outcome AxesCommand::power_cycle(const BenchPart& part) {
   return {};
 }
 
-/// Judges in the tick in which the words take effect: nearly every drive has acted by then.
+/// Called in the tick in which the words take effect: nearly every drive has acted by then.
 void AxesCommand::judge_in_force() {
   for (const std::size_t place : pending_places()) {
     if (row_.command == EachCommand::reset_fault) {
@@ -562,7 +562,7 @@ void AxesCommand::await_each(std::string_view awaited, std::uint64_t from, const
   if (!seen) end_all(stops_if_lost() ? call_.stop_if_lost(std::move(seen)) : seen);
 }
 
-/// Ends the axes that have not reached the awaited state, each with its own outcome.
+/// Sets the outcome of each axis that has not reached the awaited state.
 void AxesCommand::end_late(std::string_view awaited, const Outcome& seen,
                            const std::vector<bool>& has_come) {
   for (const std::size_t place : pending_places()) {
@@ -672,7 +672,7 @@ void AxesCommand::await_quick_stops() {
 
 namespace {
 
-// Shares in progress at the same time: their frames must fit into the queues of a bench.
+// Number of shares in progress at the same time: their frames must fit into the queues of a bench.
 constexpr std::size_t kSharesAtOnce = 8;
 
 /// Axes of one bench that fit in one frame, and their places among all axes.
@@ -707,7 +707,7 @@ std::vector<AxisId> ids_of(const Axes& axes, const auto& id_of) {
   return ids;
 }
 
-/// Gives the command to all calls, which then wait together, not one after the other.
+/// Starts the command in all calls, so that they wait at the same time, not one after the other.
 void start_together(std::span<const std::unique_ptr<AxesCommand>> calls) {
   for (const auto& call : calls) call->open();
   for (const auto& call : calls) call->begin();

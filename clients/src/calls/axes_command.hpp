@@ -22,8 +22,8 @@ namespace vdrive::client {
 ///
 /// With Caller::axis the axes are on one bench and independent: one that refuses the command or
 /// fails does not affect the others. With Caller::group all axes take the command or none: the
-/// first refusal is the outcome for all, and an axis that is not enabled although it should be
-/// stops the others. All axes have the same time-out.
+/// first refusal is the outcome for all, and if an axis is not in Operation enabled when the
+/// command should leave it there, the others are stopped. All axes have the same time-out.
 ///
 /// The steps must be called in order. Axes that do not fit in one frame are spread over several
 /// commands, which wait together. A command that stops axes also works after an interrupt of the
@@ -45,7 +45,7 @@ class AxesCommand {
   /// @return whether a tick has passed.
   bool await_before();
 
-  /// If other commands have waited since begin(): observes the axes again, and judges them again.
+  /// If other commands have waited since begin(): observes and evaluates the axes again.
   void refresh();
 
   /// Sends the command if no answer is needed first; otherwise await_in_force() does.

@@ -41,7 +41,7 @@ Outcome ensure_profile_position(AxesCall& call) {
   });
 }
 
-/// @param what the refused value or action; a hint at the values that the object accepts follows
+/// @param what the refused value or action; the message adds which values the object accepts
 Outcome refused(ObjectAddress object, std::uint32_t code, const std::string& what,
                 const Unit& unit) {
   const std::string advice = advice_on(object, static_cast<AbortCode>(code), unit);
@@ -145,7 +145,7 @@ Result<Motion> Axis::start_move(std::int32_t position, const MoveOptions& option
 
 namespace {
 
-/// Wall time and drive time by which a sample of an axis in real time may be delayed.
+/// How late a sample of an axis may be in real time, in wall time and in drive time.
 constexpr std::chrono::seconds kOldSample{1};
 
 /// Connects and starts the wait for the move.

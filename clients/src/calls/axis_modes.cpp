@@ -56,7 +56,7 @@ void add_settings(msg::AxisCommand& command, std::span<const Setting> settings) 
 }
 
 /// The endless motion that a call commands. However the call ends, the session does not release the
-/// axis before it was seen at rest: see HeldAxes.
+/// axis before it has been seen at rest: see HeldAxes.
 class EndlessMotion {
  public:
   EndlessMotion(SessionCore& core, const AxesCall& call)
@@ -84,7 +84,7 @@ class EndlessMotion {
 
 /// Sends the mode, the settings and Enable operation in one frame, so that the axis never runs the
 /// mode with older settings, and waits until 6061h shows the mode: a moving axis brakes first.
-/// @param motion that this starts; null for a mode whose motion ends without a further command
+/// @param motion the motion that this starts; null for a mode whose motion ends by itself
 Outcome enter(AxesCall& call, OperatingMode mode, std::span<const Setting> settings,
               EndlessMotion* motion = nullptr) {
   Round round = call.round_of(kEnableOperation, every_axis);
@@ -112,7 +112,7 @@ Outcome explained(Outcome seen, const AxesCall& call, const Wakeup& wakeup, std:
 }
 
 /// @return `seen`; for a time-out, with the progress of the axis instead of its state.
-/// @param progress such as "at 812 of 1000 UU/s"
+/// @param progress a text such as "at 812 of 1000 UU/s"
 Outcome with_progress(Outcome seen, const AxesCall& call, std::string_view awaited,
                       const std::string& progress) {
   if (seen.kind() != OutcomeKind::timed_out || !is_enabled(call.snapshot())) return seen;
@@ -159,7 +159,7 @@ Outcome check_homing_speeds(AxesCall& call, const HomingOptions& options) {
   return {};
 }
 
-/// @return such as "at -512 UU (-45.00 deg), still moving at -1024 UU/s (-90.00 deg/s)".
+/// @return a text such as "at -512 UU (-45.00 deg), still moving at -1024 UU/s (-90.00 deg/s)".
 std::string homing_progress(const AxesCall& call) {
   const AxisStatus& status = call.snapshot().status;
   return "at " + call.position_text(status.position_demand_value) + ", still moving at " +
@@ -277,7 +277,8 @@ struct Obstacles {
   }
 
   /// The outcome after a wait that ended without reaching its target.
-  /// @param what such as "the velocity of 1024 UU/s (90.00 deg/s)"; `demand` in the same unit
+  /// @param what the target, such as "the velocity of 1024 UU/s (90.00 deg/s)"
+  /// @param demand reached, in the same unit
   /// @param limits the limits that apply in the drive
   [[nodiscard]] Outcome outcome(AxesCall& call, const std::string& what, const std::string& demand,
                                 const std::string& limits) const {
@@ -291,7 +292,7 @@ struct Obstacles {
   }
 };
 
-/// Sends the velocity and waits until it is in force; it is not reached yet.
+/// Sends the velocity and waits until it is in force, not until it is reached.
 Outcome start_velocity(AxesCall& call, EndlessMotion& motion, std::int32_t velocity,
                        const VelocityOptions& options) {
   return enter(call, OperatingMode::profile_velocity,
@@ -302,7 +303,7 @@ Outcome start_velocity(AxesCall& call, EndlessMotion& motion, std::int32_t veloc
 }
 
 /// The demand can be at its target while the axis is still approaching it.
-/// @return such as "at 512 UU/s (45.00 deg/s) of 1024 UU/s (90.00 deg/s), still changing".
+/// @return a text such as "at 512 UU/s (45.00 deg/s) of 1024 UU/s (90.00 deg/s), still changing".
 std::string velocity_progress(const AxesCall& call, std::int32_t velocity) {
   const AxisStatus& status = call.snapshot().status;
   const std::int32_t demand = status.velocity_demand_value;
@@ -351,7 +352,7 @@ Outcome end_velocity(AxesCall& call, const Wakeup& wakeup, std::chrono::nanoseco
   });
 }
 
-/// @return the other session that has commanded the axis since; nothing if there is none.
+/// @return the session that has taken the axis and commanded it; nothing if there is none.
 std::optional<AxisOwner> new_master(SessionCore& core, const AxisSnapshot& axis) {
   const bool is_other = axis.owner_session != 0 && axis.owner_session != core.id;
   if (!is_other || axis.last_sequence == 0) return std::nullopt;
@@ -374,7 +375,7 @@ Outcome stop_instead(const std::shared_ptr<SessionCore>& core, const AxisId& id,
     return cause.kind() == OutcomeKind::refused ? cause.with_owner(*master)
                                                 : cause.with_prefix(to_string(*master) + " now: ");
   }
-  if (is_seen && !has_no_fault(stop.call().snapshot())) return cause;  // its reaction stops it
+  if (is_seen && !has_no_fault(stop.call().snapshot())) return cause;  // a fault stops it
   stop.carry_out();
   const Outcome stopped = stop.outcome();
   if (stopped) return cause.with_prefix("a quick stop ended the jog: ");
@@ -387,27 +388,27 @@ Outcome stop_instead(const std::shared_ptr<SessionCore>& core, const AxisId& id,
 Outcome end_jog(const std::shared_ptr<SessionCore>& core, AxesCall& call,
                 std::chrono::nanoseconds timeout) {
   Outcome ended = end_velocity(call, core->wakeup, timeout);
-  // A fault has its own reaction. A stop would not reach a lost bench, whose watchdog acts.
+  // A fault has its own reaction. A stop would not reach a lost bench, but its watchdog acts.
   if (ended || !is_enabled(call.snapshot()) || ended.kind() == OutcomeKind::lost) return ended;
   if (call.is_superseded()) return ended;  // another thread now commands the axis
   return stop_instead(core, call.snapshot().id, ended, timeout);
 }
 
-/// A stop, a fault or a loss of control leaves 60FFh unchanged: the axis would run when enabled
-/// again. An axis taken by another session is not touched, and a lost bench cannot be reached.
+/// A stop, a fault or a loss of control leaves 60FFh unchanged, and the axis would run when enabled
+/// again. An axis of another session is left alone; a lost bench cannot be reached.
 void clear_velocity(Axis& axis, const Outcome& ended) {
   if (ended.kind() == OutcomeKind::lost || !axis.acquire()) return;
   (void)axis.write(kTargetVelocity, 0);
 }
 
-/// The command may have taken effect although the wait for it failed.
+/// Even if the wait for the command failed, it may have taken effect.
 void end_failed_start(const std::shared_ptr<SessionCore>& core, AxesCall& call,
                       const Outcome& started, std::chrono::nanoseconds timeout) {
   if (started.kind() == OutcomeKind::refused || call.is_superseded()) return;
   if (is_enabled(call.snapshot())) (void)end_jog(core, call, timeout);
 }
 
-/// The last step of every jog. If superseded, another thread now commands the axis.
+/// The last step of every jog. A superseded axis is left alone: another thread commands it now.
 /// @return `ended`, naming the session that has taken the axis.
 Outcome conclude_jog(Axis& axis, SessionCore& core, const AxesCall& call, Outcome ended) {
   if (!ended && !call.is_superseded()) clear_velocity(axis, ended);

@@ -11,7 +11,7 @@ namespace {
 
 using std::chrono::milliseconds;
 
-// Wall time of one wait for a sample of a stream.
+// Longest wait for a sample of a stream, in wall time, before the reasons to give up are checked.
 constexpr milliseconds kSamplePatience{500};
 
 // Benches whose clocks differ by more than this do not act in common ticks.

@@ -27,7 +27,7 @@ struct GroupLayout {
   std::vector<Bench> benches;
 };
 
-/// Axes that the message of a group names; further ones are only counted.
+/// Maximum number of axes that a message of a group names; further axes are only counted.
 inline constexpr std::size_t kMostNamed = 4;
 
 /// @param axes each once
@@ -37,8 +37,8 @@ inline constexpr std::size_t kMostNamed = 4;
   return layout_of(std::span(&axis, 1));
 }
 
-/// Whether a call is for a single axis or for a group. For a single axis it fails while the bench
-/// is paused, and its messages do not list axes; for a group it waits while a bench is paused.
+/// Whether a call is for a single axis or for a group. While a bench is paused, a call for a single
+/// axis fails and one for a group waits. Messages for a single axis do not list axes.
 enum class Caller : std::uint8_t { axis, group };
 
 /// The axes of one bench, as a call observes them.
@@ -70,11 +70,11 @@ class ObservedAxes {
   /// time.
   Outcome connect();
 
-  /// Stops receiving the status of the axes, which takes time on the receiving thread. No calls
-  /// after this.
+  /// Stops receiving the status of the axes, to relieve the receiving thread. Call nothing after
+  /// this.
   void close() { parts_.clear(); }
 
-  /// Advances to the next tick that all benches show; in lock-step by `ticks`.
+  /// Advances to the next tick that all benches show; in lock-step, by `ticks` ticks.
   /// @param patience wall time for other steppers to grant the next tick
   /// @return timed_out, for an axis, if no sample arrived for a while.
   Outcome advance(std::uint64_t ticks, std::chrono::milliseconds patience = kStepPatience);
@@ -83,12 +83,12 @@ class ObservedAxes {
   Outcome refresh();
 
   /// Observes the axes again, as they were when this call began or later. A sample may have been
-  /// delayed and show a state from before an answer that another session already has. So before a
-  /// call is refused because of the state of the axes, it looks again. In lock-step every
-  /// observation is the answer to a request.
+  /// delayed and show a state from before an answer that another session already has. So a call
+  /// looks again before it is refused because of the state of the axes. Does nothing in lock-step,
+  /// where every observation is the answer to a request.
   Outcome look_again();
 
-  /// Once this is requested, ends calls that wait for a sample with `failed`.
+  /// Makes calls that wait for a sample end with `failed` once a stop is requested.
   void stop_by(std::stop_token stop) { stop_ = std::move(stop); }
 
   /// @return `outcome`; if it is `lost`, the part is lost from now on, and for a group the message
@@ -147,9 +147,9 @@ class ObservedAxes {
   std::stop_token stop_;
 };
 
-/// For a call that has ended. A command frame with an outdated epoch is refused, and its answer
-/// does not say who has taken the axes: their status does. Waits for that status and for the name
-/// of the new owner, at most a second in total if the bench sends.
+/// For a call that has ended. The refusal of a command frame with an outdated epoch does not say
+/// who has taken the axes, but their status does. Waits for that status and for the name of the new
+/// owner, at most a second in total if the bench sends.
 /// @param axes that the call has commanded
 /// @return for such a refusal, the refusal with the session that holds one of the axes now, if any;
 ///         any other outcome unchanged.

@@ -113,7 +113,8 @@ Round ProfileMove::set_point(std::int32_t target, bool relative) const {
   return round;
 }
 
-/// A relative target counts from the present demand position, which is exact for an axis at rest.
+/// A relative target counts from the actual position if 60F2h selects that; otherwise from the
+/// demand position, which is exact for an axis at rest.
 std::int32_t ProfileMove::target_of(std::int32_t value, bool relative) const {
   if (!relative) return value;
   const AxisStatus& status = call_.snapshot().status;
@@ -147,8 +148,8 @@ Outcome ProfileMove::start(std::int32_t target, bool relative) {
   return taken ? back : taken;
 }
 
-/// A drive that evaluates every controlword has already answered that it took the set-point. Its
-/// bit 12 may be 0 again if another thread has cleared bit 4 after a move of its own.
+/// A drive that evaluates every controlword has already answered that it took the set-point. Bit 12
+/// may be 0 again if another thread has cleared bit 4 after its own move.
 Outcome ProfileMove::await_acknowledge() {
   constexpr std::string_view kAcknowledge = "the acknowledge, bit 12";
   if (!has_controlword_loop_) return call_.check(kAcknowledge, call_.tick());
@@ -157,7 +158,7 @@ Outcome ProfileMove::await_acknowledge() {
   });
 }
 
-/// Restores 6081h, which was set for this move only.
+/// @return a round that restores 6081h, which was set for this move only.
 Round ProfileMove::old_velocity() const {
   Round round = call_.round_to(every_axis);
   msg::AxisCommand& command = round.entries.front().command;

@@ -42,7 +42,7 @@ inline constexpr auto kMoveObjects = [] {
 }();
 
 /// @param values of kMoveBounds, in this order
-/// @return refused, naming the first one that is 0.
+/// @return refused, naming the first object that is 0.
 [[nodiscard]] Outcome check_bounds(const AxisId& axis, std::span<const std::int64_t> values);
 
 /// @param unit of the axis
@@ -76,15 +76,15 @@ class ProfileMove {
   Outcome prepare();
 
   /// Hands over the set-point and waits until the drive has taken it. The old value of 6081h is
-  /// restored immediately, because the drive samples it with the set-point; after bit 12 if the
-  /// drive evaluates its controlword only once per loop.
+  /// restored immediately, because the drive samples it with the set-point; if the drive evaluates
+  /// its controlword only once per loop, after bit 12.
   Outcome start(std::int32_t target, bool relative);
 
-  /// Waits until the axis is at its target; see await_target of arrival.hpp.
+  /// Waits until the axis is at its target; see await_target() in arrival.hpp.
   Outcome await_target();
 
-  /// Clears bit 4.
-  /// @return failed if the axis is at rest elsewhere: see check_arrival of arrival.hpp.
+  /// Clears bit 4 and, if the call waited for the target, restores the ramps.
+  /// @return failed if it waited and the axis is at rest elsewhere: see check_arrival().
   Outcome finish();
 
  private:

@@ -11,17 +11,17 @@
 
 namespace vdrive::client {
 
-// Drives that act later than in the tick of the command (docs/guides/be-another-drive.md).
+// For drives that act later than in the tick of the command (docs/guides/be-another-drive.md).
 
-/// A drive that evaluates its controlword in a loop of some milliseconds has done so within this
-/// time.
+/// Within this time, a drive that evaluates its controlword in a loop of some milliseconds has done
+/// so.
 inline constexpr std::chrono::milliseconds kLongestLoop{20};
 
 /// A fault reset has taken effect within this time.
 inline constexpr std::chrono::milliseconds kLongestReset{50};
 
-/// How long a call waits for a drive that shows no change. After that, the present state is its
-/// answer.
+/// How long a call waits for a drive that shows no change. After that, the present state counts as
+/// its answer.
 class AnswerTime {
  public:
   /// Counts from the tick that `call` has observed.
@@ -33,18 +33,17 @@ class AnswerTime {
 
  private:
   const AxesCall& call_;
-  std::uint64_t end_;  // as driven_tick()
+  std::uint64_t end_;  // compared with driven_tick()
 };
 
 /// @return whether an axis that was commanded to Operation enabled has answered: it got there, has
-///         a fault, or does nothing. In Switched on it is powering on, which takes as long as it
-///         needs.
+///         a fault, or does nothing. In Switched on it is powering on, which may take any time.
 [[nodiscard]] bool has_answered_enabling(const AxisSnapshot& axis, const AnswerTime& answer_time);
 
 /// For axes that got all controlwords of enabling in one tick and have not reached Operation
 /// enabled: a drive with a loop (5E20h:06) may have seen only the last one. Sends them one by one,
 /// each after the previous one has taken effect.
-/// @param places of these axes; those already enabled, in a fault or without a loop get nothing
+/// @param places of these axes; axes already enabled, in a fault or without a loop are sent nothing
 /// @return whether an axis got a controlword.
 Result<bool> enable_step_by_step(AxesCall& call, std::span<const std::size_t> places);
 
@@ -52,7 +51,7 @@ Result<bool> enable_step_by_step(AxesCall& call, std::span<const std::size_t> pl
 Outcome await_look(AxesCall& call);
 
 /// Waits until no axis that got a quick stop is in Operation enabled any more, or until the longest
-/// loop time has passed: until then that state may be the one before the stop.
+/// loop time has passed: until then, that state may date from before the stop.
 Outcome await_stop_seen(AxesCall& call);
 
 /// For axes whose fault has outlasted a pulse of bit 7: keeps the bit set until the fault has

@@ -22,7 +22,7 @@ constexpr std::uint64_t kTicksPerRequest = 2000;
 
 constexpr std::size_t kAxesPerRequest = msg::MAX_AXES_PER_FRAME;
 
-// At the end of a session: the service may be gone already.
+// Short, because the service may be gone already when the session ends.
 constexpr Patience kLeaveAnswer{milliseconds(500), false};
 
 /// Wall time until the deadline, which may have passed.
@@ -38,13 +38,13 @@ wire::ClockOfBench clock_of(const BenchKey& key) {
   return {.bench = key.number, .incarnation = key.incarnation};
 }
 
-/// Whether a step was accepted: it ended, or it waits for another stepper.
+/// @return whether a step was accepted: it has ended, or it waits for another stepper.
 bool is_accepted(const msg::Reply& reply) {
   return reply.reason == msg::Reason::none || reply.reason == msg::Reason::missing_stepper;
 }
 
-/// @return the next request of a step, subtracted from `ticks`. It includes axes only when no ticks
-///         are left, so that they show the state after the step.
+/// @return the next request of a step; its ticks and axes are removed from `ticks` and `axes`. It
+///         names axes only when no ticks are left, so that they show the state after the step.
 msg::Request next_request(std::uint64_t& ticks, std::span<const std::uint16_t>& axes) {
   const std::uint64_t some = std::min(ticks, kTicksPerRequest);
   ticks -= some;
@@ -53,7 +53,7 @@ msg::Request next_request(std::uint64_t& ticks, std::span<const std::uint16_t>& 
   return ask::step(some, {shown.begin(), shown.end()});
 }
 
-/// Fills the samples from place `first` on with the axes of an answer, which come last.
+/// Puts the axes of an answer into `samples` from place `first` on, as the last ones.
 void fill_samples(const RequestAnswer& answer, std::size_t first,
                   std::vector<AxisSnapshot>& samples) {
   samples.resize(first + answer.axes.size());
@@ -140,7 +140,7 @@ Result<StepLock> BenchClocks::lock_steps(const Target& target, Clock::time_point
   std::unique_lock state(mutex_);
   if (!grants_.contains(target.key)) return StepLock();
   TurnMutex& steps = steps_[target.key];
-  state.unlock();  // the lock for the order of steps must be taken before this one
+  state.unlock();  // the lock of the steps must be taken before this one
   StepLock lock(steps, deadline);
   if (!lock) {
     return Outcome::timed_out("another thread of this session steps " + name_of(target) +
@@ -197,7 +197,7 @@ void BenchClocks::note_reply(const BenchKey& key, const PendingStep& step,
   }
 }
 
-/// The result of a step: reached, or REASON_MISSING_STEPPER in the reply.
+/// @return the reply to a step: the tick reached, or REASON_MISSING_STEPPER if it still waits.
 Result<RequestAnswer> BenchClocks::conclude_step(const Target& target, const PendingStep& step,
                                                  Clock::time_point deadline, Silence silence) {
   auto reply = exchange_.await(target, step.request, {left_until(deadline), true, false, silence});

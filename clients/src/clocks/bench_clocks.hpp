@@ -96,22 +96,23 @@ class BenchClocks {
   Outcome step(const Target& target, std::uint64_t ticks, std::span<const std::uint16_t> axes,
                std::chrono::milliseconds patience, Silence silence, Observation& sample);
 
-  /// @return whether one request of this session alone covers the step; then no interrupt ends it.
+  /// @return whether one request, without other steppers, does the step: an interrupt does not end
+  ///         it.
   [[nodiscard]] bool steps_at_once(const Target& target, std::uint64_t ticks) const;
 
   /// Makes this session a stepper of the bench.
-  /// @param steppers that time waits for, including this one
+  /// @param steppers number of steppers that time waits for, including this one
   /// @return the present tick; refused if a step would wait for ever: on a bus, if this thread has
   ///         joined the clock with another session.
   Result<std::uint64_t> join(const Target& target, std::uint32_t steppers);
 
-  /// Makes this session no longer a stepper, if the service still answers.
+  /// Leaves the clock of the bench. Waits only briefly for the answer: the service may be gone.
   void leave(const Target& target);
 
   /// Leaves the clock of every bench.
   void leave_all();
 
-  /// The session no longer grants or leaves anything; its threads may join with other sessions.
+  /// Tells no bench, but lets the threads of this session join clocks with other sessions.
   void abandon() noexcept;
 
   /// Locks the steps of a joined clock: if several threads step at the same time, the steps run one
@@ -124,12 +125,12 @@ class BenchClocks {
   [[nodiscard]] std::optional<Grant> grant_of(const BenchKey& key) const;
 
   /// For a bench whose clock this session has joined: requests time up to `tick`, without waiting.
-  /// @param shown axes whose status the answer contains
+  /// @param shown axes whose status the answer must contain
   Result<PendingStep> begin_step_to(const Target& target, std::uint64_t tick,
                                     std::vector<std::uint16_t> shown = {});
 
-  /// Waits until that tick is reached, repeating the request while other steppers have not granted
-  /// it.
+  /// Waits until the tick of `step` is reached, repeating the request while other steppers have not
+  /// granted it.
   /// @return the tick reached; timed_out at the deadline, naming the missing stepper.
   Result<std::uint64_t> end_step(const Target& target, PendingStep step,
                                  Wakeup::Clock::time_point deadline);
@@ -155,7 +156,7 @@ class BenchClocks {
   wire::Participant& participant_;       ///< knows which threads have joined clocks
   mutable std::mutex mutex_;             ///< guards the grants
   std::map<BenchKey, Grant> grants_;     ///< of the clocks that this session has joined
-  std::map<BenchKey, TurnMutex> steps_;  ///< each puts the steps of a clock in order
+  std::map<BenchKey, TurnMutex> steps_;  ///< each admits one step of a clock at a time
 };
 
 }  // namespace vdrive::client

@@ -25,7 +25,7 @@ constexpr Patience kFirstSample{std::chrono::milliseconds(5000), true, true};
 // wait.
 constexpr Patience kAnyTick{std::chrono::hours(24 * 365), true, true, Silence::is_bridged};
 
-// Most requests in flight: their answers arrive one after the other, and no queue overflows.
+// Maximum number of requests in flight, so that their answers do not overflow a queue.
 constexpr std::size_t kReadsAtOnce = 16;
 
 constexpr ObjectAddress kStatusword = kObjectRows["ds402_statusword"_object].address;

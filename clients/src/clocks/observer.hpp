@@ -30,13 +30,13 @@ class Observer {
   /// The newest tick of the bench.
   Result<std::uint64_t> present_tick(const Target& target, Silence silence = Silence::ends_call);
 
-  /// A tick that the bench has completed since this call began: samples of this tick and of later
-  /// ones are newer than the call. 0 for a session that may not send requests.
+  /// The last tick that the bench has completed when it answers: samples of this tick or a later
+  /// one are not older than the call. 0 for a session that may not send requests.
   /// @param axis any axis of the bench
   Result<std::uint64_t> completed_tick(const Target& target, std::uint16_t axis);
 
   /// @return the tick from which reports begin: the newest tick received. A bench that may be far
-  ///         ahead of it is asked.
+  ///         ahead of that is asked instead.
   std::uint64_t first_tick_of_stream(const Target& target, std::uint16_t axis);
 
   /// Waits until the bench has reached `tick`, or has jumped over it; in lock-step, steps to it.

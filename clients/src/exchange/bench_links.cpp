@@ -19,7 +19,7 @@ using std::chrono::milliseconds;
 // A message not answered within this time, while samples of the bench arrive, is sent again.
 constexpr milliseconds kRepeatAfter{1'000};
 
-// While waiting for a match, how often to check whether the bench has changed its participant.
+// Interval at which a wait for a match checks whether the bench has another participant.
 constexpr milliseconds kCheckSource{20};
 
 // A full queue has room again when its readers catch up, or when a lost one is dropped.
@@ -192,8 +192,7 @@ bool BenchLinks::reconnect(const BenchKey& key, milliseconds patience) {
 
 // ---- sending ---------------------------------------------------------------------------------
 
-/// Sends the unanswered messages that were last sent before that time again, in order and with
-/// their numbers.
+/// Repeats the unanswered messages last sent before `sent_before`, in order and with their numbers.
 /// @return false if a queue is full.
 bool BenchLinks::repeat(const BenchKey& key, Clock::time_point sent_before) {
   const std::vector<msg::CommandFrame> frames = unanswered_.frames.to_repeat(key, sent_before);

@@ -31,19 +31,19 @@
 
 namespace vdrive::client {
 
-/// Time allowed for a bench and this session to match each other's readers and writers: it takes
-/// milliseconds, or seconds on a machine without a free processor.
+/// Time allowed for a bench and this session to match each other's readers and writers: matching
+/// takes milliseconds, or seconds on a machine without a free processor.
 inline constexpr std::chrono::milliseconds kMatch{10'000};
 
 /// Sent messages, by number, kept until their sender takes the answer. Only the sender of a message
-/// removes it. Thread-safe; its lock is never held while another one is taken.
+/// removes it. Thread-safe; no other lock is taken under its own.
 template <typename Number, typename Message, typename Answer>
 class Unanswered {
  public:
   using Clock = Directory::Clock;
 
   /// Keeps a message that is about to be sent.
-  /// @return it; valid until take().
+  /// @return the kept message; valid until take().
   const Message& add(const Number& number, const BenchKey& key, Message message) {
     const std::scoped_lock lock(mutex_);
     const auto added = sent_.emplace(number, Sent{.key = key,
@@ -53,7 +53,8 @@ class Unanswered {
     return added.first->second.message;
   }
 
-  /// @return whether the answer is awaited. A repeated answer replaces the previous one.
+  /// Keeps the answer to a message; a repeated answer replaces the previous one.
+  /// @return whether the message is still kept.
   bool answer(const Number& number, Answer answer) {
     const std::scoped_lock lock(mutex_);
     const auto sent = sent_.find(number);
@@ -129,7 +130,7 @@ class Unanswered {
   std::map<Number, Sent> sent_;
 };
 
-/// The answer to a request: the message, without statuses, and its axes.
+/// The answer to a request: the reply without its statuses, and the decoded statuses of its axes.
 struct RequestAnswer : msg::Reply {
   std::vector<wire::ReceivedStatus> axes;
 };
@@ -148,7 +149,7 @@ struct UnansweredMessages {
   UnansweredFrames frames;
 };
 
-/// How long a wait may take; times in which this program does not run do not count. An interrupt
+/// How long a wait may take, not counting times in which this program does not run. An interrupt
 /// does not end the wait for the answer to a request, because the interrupted call must still clean
 /// up.
 struct Patience {
@@ -185,17 +186,17 @@ class BenchLinks {
     return request_publication_ != nullptr && command_publication_ != nullptr;
   }
 
-  /// Finds the bench and waits until it can receive our requests (if we may send any) and we its
-  /// answers.
+  /// Finds the bench and waits until it can receive our requests (if we may send any) and we can
+  /// receive its answers.
   Result<Target> connect(std::uint32_t number);
 
   /// Waits until no other thread sends to this run, then until its link is connected.
-  /// @param what will be sent, for the message: "requests" or "commands"
+  /// @param what names in messages what is to follow: "requests" or "commands"
   /// @param patience wall time to wait for the match with a bench that has reconnected
   Result<OpenLink> open(const Target& target, std::string_view what,
                         std::chrono::milliseconds patience = kMatch);
 
-  /// Ends the links with the session: connect() and open() fail from now on.
+  /// Closes the links when the session ends: connect() and open() fail from now on.
   void close() noexcept { is_closed_ = true; }
 
   /// Sends through an open link.
@@ -209,8 +210,8 @@ class BenchLinks {
   bool send_keep_alive(const BenchKey& key);
 
   /// Waits until `condition` holds, which must depend on messages from the bench; it is called
-  /// after each change, without a lock. While waiting, repairs the link to the bench, and ends the
-  /// wait if the bench will not send any more. The caller must not hold the lock of a state.
+  /// after each change, without a lock. While waiting, repairs the link to the bench, and gives up
+  /// if the bench is lost. The caller must not hold the lock of a state.
   template <typename Condition>
   Outcome wait(const Target& target, const Patience& patience, const Condition& condition) {
     const auto begin = discovery_.running_time();
@@ -235,7 +236,7 @@ class BenchLinks {
     }
   }
 
-  /// Messages sent to benches and not answered, which are repeated when necessary.
+  /// Messages sent to benches and not answered; they are repeated when necessary.
   [[nodiscard]] UnansweredMessages& unanswered() noexcept { return unanswered_; }
 
   /// Calls `observer`, on the thread that delivers the answer of a bench, for each refused value of
@@ -243,8 +244,8 @@ class BenchLinks {
   /// @param observer an empty one ends the reports; it replaces the previous one
   void watch_refusals(std::function<void(const SetPointRefusal&)> observer);
 
-  /// Returns the axes of an answer that has been read: a later answer reuses their memory, which is
-  /// neither allocated nor cleared again.
+  /// Takes back the axes of an answer that has been read: a later answer reuses their memory,
+  /// without allocating or clearing it.
   void reuse(std::vector<wire::ReceivedStatus> axes);
 
  private:
@@ -254,11 +255,11 @@ class BenchLinks {
     wire::Source source;  ///< participant that has our messages; guarded by the mutex of the links
   };
 
-  // How often, at least, a wait checks the presence of the bench; with a broken link, more often.
+  // Longest time between two checks of a wait; shorter while the link is broken.
   static constexpr std::chrono::milliseconds kPeriod{50};
   static constexpr std::chrono::milliseconds kReconnectPeriod{5};
 
-  /// @return why a wait that began at the running time `begin` must end without success; nothing =
+  /// @return why a wait that began at the running time `begin` must end without success; nothing if
   ///         it continues.
   [[nodiscard]] std::optional<Outcome> end_of_wait(const Target& target, const Patience& patience,
                                                    Wakeup::Clock::time_point begin) const {

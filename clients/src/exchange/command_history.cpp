@@ -121,7 +121,7 @@ void CommandHistory::add(const BenchKey& key, std::uint16_t axis, Entry entry) {
   if (bench.incarnation != key.incarnation) bench = {.incarnation = key.incarnation, .axes = {}};
   Entries& entries = bench.axes[axis];
   if (entries.size() == kMostOfAxis) {
-    // Of a stream of targets, the newest ones are enough.
+    // Drop the oldest target of a stream: only the newest matter.
     const auto oldest = std::ranges::find_if(entries, [](const Entry& each) {
       return !each.written.empty() && !each.mode && !each.controlword;
     });
@@ -141,7 +141,7 @@ void CommandHistory::note_frame(const BenchKey& key, const msg::CommandFrame& fr
   }
 }
 
-/// Removes the parts of a partially executed frame that the drive did not take.
+/// Removes the parts of a frame that the drive refused or ignored.
 void CommandHistory::take_back(Entry& entry, std::uint16_t axis, const msg::CommandReply& reply) {
   constexpr ObjectAddress kMode = kObjectRows["op_mode_cmd"_object].address;
   constexpr ObjectAddress kControlword = kObjectRows["ds402_controlword"_object].address;
@@ -156,7 +156,7 @@ void CommandHistory::take_back(Entry& entry, std::uint16_t axis, const msg::Comm
   }
 }
 
-/// Of a partially executed frame the rest still counts, such as a mode whose set-point was ignored.
+/// The accepted part of a frame still counts, such as a mode whose set-point was ignored.
 void CommandHistory::forget_refused(Entries& entries, std::uint16_t axis,
                                     const msg::CommandReply& reply) {
   const auto entry = std::ranges::find_if(entries, [&reply](const Entry& each) {
@@ -219,8 +219,8 @@ void CommandHistory::note_gained(const BenchKey& key, std::span<const std::uint1
                                  std::uint64_t last_sequence) {
   const std::scoped_lock lock(mutex_);
   for (const std::uint16_t axis : axes) {
-    // Tick 1: the acquisition is in force already. Every earlier command of this session to the
-    // axis is older.
+    // Tick 1 marks a request that is in force already. It supersedes every earlier command of this
+    // session to the axis.
     add(key, axis, {.after = last_sequence, .tick = 1, .what = "a new acquisition of the axis"});
   }
 }

@@ -28,8 +28,8 @@ struct GivenCommand {
 ///         so ends the previous motion.
 [[nodiscard]] bool ends_motion(const msg::AxisCommand& command) noexcept;
 
-/// The last commands of this session to each axis that end its previous motion, whichever thread
-/// gave them. Commands of other sessions are visible in the owner of the axis. Thread-safe; sends
+/// For each axis, the last commands of this session that end the previous motion, whichever thread
+/// gave them. A command of another session shows in the owner of the axis. Thread-safe; sends
 /// nothing.
 class CommandHistory {
  public:
@@ -58,7 +58,7 @@ class CommandHistory {
   struct Entry {
     std::uint64_t after = 0;  ///< number of the last frame before it
     std::uint64_t tick = 0;   ///< of a request: in which it took effect; 0 = this is a frame
-    bool is_whole = false;    ///< its frame is carried out completely or not at all
+    bool is_whole = false;    ///< its frame has FRAME_ALL_OR_NOTHING
     std::optional<OperatingMode> mode{};         ///< 6060h
     std::optional<std::uint16_t> controlword{};  ///< 6040h, if it ends a motion
     std::optional<std::int32_t> target{};        ///< 607Ah, handed over with the controlword

@@ -43,7 +43,7 @@ void raise_priority() {
 
 using namespace literals;
 
-// At the end of a session: the service may be gone already.
+// Short, because the service may be gone already when the session ends.
 constexpr milliseconds kReleaseAnswer{500};
 
 constexpr ObjectAddress kControlword = kObjectRows["ds402_controlword"_object].address;
@@ -92,7 +92,7 @@ void Control::note_acquired(const Target& target, std::span<const std::uint16_t>
   if (held_axes_.note_acquired(target.key, axes, reply.epoch, !target.steps())) {
     history_.note_gained(target.key, axes, held_axes_.last_sequence(target.key));
   }
-  // In lock-step the steps themselves keep control.
+  // In lock-step every tick is a sign of life, so no keep-alives are needed.
   if (keep_alive_ == KeepAlive::own_thread && !target.steps()) start_keep_alive();
 }
 
@@ -108,8 +108,8 @@ Outcome Control::acquire(const Target& target, std::span<const std::uint16_t> ax
                                 return holds(target, {&axis, 1});
                               });
   if (held.empty() || others.empty()) return acquire_part(target, axes, by_force);
-  // The axes already held come first, in a separate request: the new epoch that the others bring
-  // would not show whether one of these has been lost.
+  // First a separate request for the axes already held: a new epoch then shows that one had been
+  // lost. A request that gains axes always brings a new epoch.
   if (Outcome kept = acquire_part(target, held, by_force); !kept) return kept;
   return acquire_part(target, others, by_force);
 }
@@ -122,8 +122,8 @@ Outcome Control::acquire_part(const Target& target, std::span<const std::uint16_
   const std::string what =
       "control of " + (axes.size() == 1 ? name_of(target, axes.front()) : name_of(target));
   {
-    // Held until the new epoch is recorded: a frame of another thread with the old one would be
-    // refused.
+    // Held until the new epoch is recorded: a frame that another thread sends with the old epoch
+    // would be refused.
     const auto sending = held_axes_.lock_sending(target.key.number);
     const auto reply = exchange_.request(target, std::move(request), what);
     if (!reply) return reply.outcome();
@@ -213,7 +213,7 @@ Outcome Control::release(const ReleasedAxes& given) {
                          "once this session is silent");
 }
 
-/// Also works after an interrupt, and for a service that may be gone: it uses its own patience.
+/// Also works after an interrupt, and waits only kReleaseAnswer for a service that may be gone.
 Outcome Control::release(const Target& target, std::span<const std::vector<std::uint16_t>> parts) {
   const auto sending = held_axes_.lock_sending(target.key.number);
   std::vector<std::uint64_t> sent;
@@ -231,7 +231,7 @@ Outcome Control::release(const Target& target, std::span<const std::vector<std::
     const auto answered = exchange_.await(target, number, patience);
     if (!answered && result) result = answered.outcome();
   }
-  // Whatever the reason of a failure, it is unknown whether the axes are free.
+  // Whatever the reason for a failure, it is unknown whether the axes are free.
   if (result || result.kind() == OutcomeKind::lost) return result;
   return Outcome::lost(result.message());
 }

@@ -30,8 +30,8 @@ class Control {
   Control(const Control&) = delete;
   Control& operator=(const Control&) = delete;
 
-  /// Acquires these axes, all or none.
-  /// @param by_force also from other sessions
+  /// Acquires all of these axes, or none.
+  /// @param by_force take axes from other sessions too
   Outcome acquire(const Target& target, std::span<const std::uint16_t> axes, bool by_force = false);
 
   /// @return whether this session has acquired all of these and has not learned that it lost one.

@@ -20,7 +20,7 @@ namespace vdrive::client {
 
 class Exchange;
 
-/// Requests sent to one bench together. Requests that are not awaited are dropped.
+/// Requests sent to one bench together. Answers that are not awaited are dropped.
 class SentRequests {
  public:
   SentRequests(Exchange& exchange, const Target& target) : exchange_(&exchange), target_(target) {}
@@ -93,7 +93,7 @@ class Exchange {
   // ---- command frames
 
   /// Sends frames in order, without a frame of another thread in between, and appends each to
-  /// `sent`, also before a failure.
+  /// `sent`, including those sent before a failure.
   Outcome send(SentFrames& sent, std::span<const FrameContent> frames);
 
   /// Sends frames without waiting. Only a refused frame is answered, and no call waits for that
@@ -102,10 +102,10 @@ class Exchange {
 
   /// Waits for the answers to these frames. A frame that waits for its tick is answered in that
   /// tick.
-  /// @param outcome of the sending; if it failed, nothing is waited for
+  /// @param outcome of sending them; if that failed, this does not wait
   Applied collect(const SentFrames& sent, Outcome outcome);
 
-  /// Waits until all of these are answered, or one of them is refused.
+  /// Waits until all of these frames are answered, or one of them is refused.
   /// @return whether none was refused.
   Result<bool> await_answers(std::span<const SentFrames> sent);
 

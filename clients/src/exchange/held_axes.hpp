@@ -25,18 +25,18 @@ struct ReleasedAxes {
 /// The axes that this session holds, and for each bench the epoch and the sequence number of its
 /// next command frame. Thread-safe; sends nothing.
 ///
-/// An axis that a call has set into a motion without an end (a velocity, a torque, a stream) counts
-/// as running until it was seen at rest, or until the program was told that it runs on. A running
-/// axis is not released: no watchdog would ever stop a free axis.
+/// An axis that a call has set in endless motion (a velocity, a torque, a stream) counts as running
+/// until it is seen at rest, or until a call has told the program that it runs on. A running axis
+/// is not released, because no watchdog would ever stop a free axis.
 class HeldAxes {
  public:
   explicit HeldAxes(std::uint64_t session) : session_(session) {}
 
   /// Puts the messages to a bench in order: one sender at a time numbers and sends its frames, and
-  /// no frame is sent during a request that may change the epoch. A bench that does not answer
-  /// delays no frame to another.
+  /// no frame is sent during a request that may change the epoch. A bench that does not answer does
+  /// not delay frames to other benches.
   ///
-  /// Lock order in a session: this one, the link to the bench (BenchLinks::open), the lock of one
+  /// Lock order in a session: this lock, the link to the bench (BenchLinks::open), the lock of one
   /// state. The lock of a state is held for a few instructions, and no other lock is taken under
   /// it.
   [[nodiscard]] std::unique_lock<std::mutex> lock_sending(std::uint32_t bench);
@@ -45,7 +45,7 @@ class HeldAxes {
   /// @return no lock if another thread is sending.
   [[nodiscard]] std::unique_lock<std::mutex> try_lock_sending(std::uint32_t bench);
 
-  /// Records the answer of a bench that these axes are held in `epoch`.
+  /// Records a bench's answer that this session holds these axes in `epoch`.
   /// @param lives_by_wall_clock whether the bench takes axes away from a silent session
   /// @return whether the epoch is new: the session has gained an axis, or lost another one.
   bool note_acquired(const BenchKey& key, std::span<const std::uint16_t> axes, std::uint32_t epoch,
@@ -72,8 +72,8 @@ class HeldAxes {
   /// no longer running.
   void note_seen(const BenchKey& key, std::span<const AxisSnapshot> axes);
 
-  /// @return the axes that this session releases, by run. From now on the session sends no
-  ///         keep-alives for them, and its calls do not rely even on those that it kept.
+  /// Forgets all axes, even those kept: no keep-alives are sent any more, and holds() is false.
+  /// @return the axes to release and those kept, by run.
   [[nodiscard]] std::vector<ReleasedAxes> drop_all();
 
   /// @return as drop_all(), for one bench; nothing if this session holds none of its axes.
@@ -92,7 +92,7 @@ class HeldAxes {
   [[nodiscard]] std::uint64_t last_sequence(const BenchKey& key);
 
  private:
-  /// The last frame that set an axis in motion, and the tick in which it was applied.
+  /// The last frame that set an axis in motion, and the first tick seen with it applied.
   struct Running {
     std::uint64_t sequence = 0;
     std::optional<std::uint64_t> since{};

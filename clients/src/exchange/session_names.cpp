@@ -18,9 +18,9 @@ namespace {
 // As many as a service keeps for one bench; higher numbers are invalid.
 constexpr auto kPlacesOfBench = static_cast<std::uint16_t>(wire::kSessionsOfBench);
 constexpr auto kMostKnown = static_cast<std::size_t>(wire::kSessionsInDomain);
-// Most sessions remembered as asked for, so that later calls do not wait for an unknown name again.
+// Sessions remembered as asked for: later calls do not wait for the same unknown name again.
 constexpr std::size_t kMostAsked = 1'024;
-// How often, at least, a search for a name that has not arrived checks the bench.
+// Longest time between two checks of the bench while waiting for a name.
 constexpr std::chrono::milliseconds kLookPeriod{20};
 
 std::string host_name() {
@@ -130,7 +130,7 @@ std::optional<SessionName> SessionNames::look_up(std::uint32_t bench, std::uint6
   return found->second.name;
 }
 
-/// @return when the reader was first seen to receive from this bench.
+/// @return when the reader was first seen to be matched with this bench.
 std::optional<SessionNames::Clock::time_point> SessionNames::time_of_match(std::uint32_t bench) {
   const auto target = discovery_.present_target(bench);
   const auto source = target ? discovery_.source_of(target->key) : std::nullopt;

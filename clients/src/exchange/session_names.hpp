@@ -23,21 +23,21 @@
 
 namespace vdrive::client {
 
-/// Publishes the name of this session and receives the names of others. A session that acquires no
-/// axis has no writer, and one that meets no other session no reader: each is created on first use,
-/// at a one-time cost to the session that reads a name. Without the permission for one of them, or
-/// if DDS refuses it, the session does without: its name stays unknown to others, or their names to
-/// it. Thread-safe; the caller must hold no lock of the session.
+/// Publishes the name of this session and receives the names of others. The writer is created when
+/// the session acquires its first axis, the reader when it first asks for a name: only that call
+/// waits for the match. If one of them is not permitted or DDS refuses it, the session does
+/// without: others do not learn its name, or it does not learn theirs. Thread-safe; the caller must
+/// hold no lock of the session.
 class SessionNames {
  public:
   using Clock = Discovery::Clock;
 
-  /// For matching a new reader or writer: it takes milliseconds, longer on a machine without a free
-  /// processor.
+  /// Time for a new reader or writer to match: usually milliseconds, longer on a machine without a
+  /// free processor.
   static constexpr std::chrono::milliseconds kMatchWait{1'000};
-  /// For the samples of a bench that has been matched.
+  /// Time for the samples of a bench to arrive after the match.
   static constexpr std::chrono::milliseconds kFirstWait{250};
-  /// For the name of a session not asked for before: it may have just started.
+  /// Time for the name of a session asked for the first time: it may have just started.
   static constexpr std::chrono::milliseconds kWait{100};
 
   /// @param program of this session; empty = the file name of this process's program
@@ -48,13 +48,13 @@ class SessionNames {
   void introduce(std::uint32_t bench);
 
   /// Waits until the benches have received the name, at most kMatchWait: a program that acquires an
-  /// axis and ends immediately would be gone before a bench has found its writer. To be called at
-  /// the end of the session. An interrupt ends the wait between two benches.
+  /// axis and ends immediately would be gone before a bench has found its writer. Call this at the
+  /// end of the session. An interrupt ends the wait before the next bench.
   void finish();
 
-  /// @return the name of a session; nothing if it does not state one. Waits for the match of a new
-  ///         reader, for the first samples of the bench, and later for kWait. An interrupt ends the
-  ///         wait.
+  /// @return the name of a session; nothing if it does not state one. Waits up to kMatchWait for a
+  ///         new reader to match, then kFirstWait for the samples of the bench; later, kWait for a
+  ///         session asked for the first time. An interrupt ends the wait.
   std::optional<SessionName> find(std::uint32_t bench, std::uint64_t session);
 
   /// @return as find(), without waiting; the first call starts listening.
@@ -86,15 +86,15 @@ class SessionNames {
   const Discovery& discovery_;
   Wakeup& wakeup_;
 
-  std::mutex saying_;  ///< guards the next two; no other lock is taken under it
+  std::mutex saying_;  ///< guards the next two; taken before any other lock
   std::set<std::uint32_t> introduced_;
   std::unique_ptr<wire::Publication<msg::SessionName>> publication_;
 
   mutable std::mutex mutex_;  ///< guards the names received and the sessions asked for
   std::map<Place, Known> names_;
-  std::map<std::uint64_t, Clock::time_point> asked_;  ///< sessions, and since when
+  std::map<std::uint64_t, Clock::time_point> asked_;  ///< sessions, and when first
 
-  std::mutex listening_;  ///< guards the members below; not held while a name arrives
+  std::mutex listening_;  ///< guards the members below; an arriving name does not take it
   Clock::time_point listens_since_{};
   std::map<std::uint32_t, Clock::time_point> matched_;  ///< benches, and since when
   std::unique_ptr<wire::Subscription<msg::BenchSession>> subscription_;

@@ -20,7 +20,7 @@
 namespace vdrive::client {
 namespace {
 
-// As for a single axis: longer than a move that a program usually waits for.
+// As for a single axis: longer than the moves that programs usually wait for.
 constexpr std::chrono::seconds kUsualTimeout{60};
 
 bool moves(const AxisSnapshot& axis) {
@@ -316,7 +316,7 @@ Outcome AxisGroup::take_over() {
 
 // ---- monitoring --------------------------------------------------------------------------------
 
-/// Stops the enabled axes if one has a fault or, during a line, is not enabled or belongs to
+/// Stops the enabled axes if any axis has a fault or, during a line, is not enabled or belongs to
 /// another session.
 Outcome AxisGroup::State::watch(AxesCall& call) {
   const auto moving = active_line();

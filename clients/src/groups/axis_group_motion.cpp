@@ -24,7 +24,7 @@ namespace {
 
 using namespace literals;
 
-// Added to the duration of a line: for its window time, and for a servo that lags.
+// Added to the duration of a line, for the position window time (6068h) and a servo that lags.
 constexpr std::chrono::seconds kBeyondDuration{5};
 
 // An axis at rest may be this far from the integer position in 6062h [UU].
@@ -70,7 +70,7 @@ enum LimitObject : std::size_t {
   habit_controlword_loop,
 };
 
-/// @param range such as "is beyond its software limits (607Dh), from "
+/// @param range the beginning of the reason, such as "is beyond its software limits (607Dh), from "
 Outcome beyond_range(const AxesCall& call, const AxisId& axis, std::int64_t target,
                      std::string_view range, std::int64_t begin, std::string_view to,
                      std::int64_t end) {
@@ -262,8 +262,8 @@ Result<LinePlan> AxisGroup::State::plan_from_rest(AxesCall& call,
                   .course = {.origin = demands_of(call.snapshots()), .farthest = request.targets}};
 }
 
-/// In real time the axes have moved further when the line starts. So only the course of the line
-/// matters: each axis plans along it from its position at that time.
+/// In real time the axes move on until the line starts, so only the course of the line is planned
+/// here: each drive plans along it from its position at that time.
 Result<LinePlan> AxisGroup::State::plan_in_motion(AxesCall& call, const LineRequest& request) {
   const std::vector<AxisSnapshot>& axes = call.snapshots();
   const auto moving = active_line();
@@ -324,10 +324,10 @@ Outcome AxisGroup::State::start(AxesCall& call, const LineRequest& request) {
                            "enabling is not in force yet");
 }
 
-/// Withdraws a start in which not every axis took part: the others get a set-point at their present
-/// position, and axes that were moving before are halted first. The round that clears the common
-/// times may be the one that was refused. Left in force, those times would make the next set-point
-/// of the axis a synchronous one, even one of zero length.
+/// Withdraws a start in which not every axis took part: halts all axes, then gives them a set-point
+/// at their present position. The halt also clears the common times, because the round that clears
+/// them may be the one that was refused: left in force, they would make the next set-point of the
+/// axis synchronous, even one of zero length.
 void AxisGroup::State::withdraw(AxesCall& call) {
   Round halt = call.round_of(kHalt, every_axis);
   for (Round::Entry& entry : halt.entries) {

@@ -19,12 +19,12 @@ namespace {
 
 using namespace literals;
 
-// A change of mode takes one tick at rest; a moving axis brakes first.
+// Enough for a change of mode: it takes one tick at rest, but a moving axis brakes first.
 constexpr std::chrono::seconds kModeChange{5};
 
-// A stream less than two ticks ahead cannot meet its tick.
+// A set-point sent less than two ticks ahead cannot meet its tick.
 constexpr std::uint64_t kShortestLead = 2;
-// A bench refuses a frame more than 10 s ahead, and keeps 1,024 frames of all sessions together.
+// A bench refuses frames more than 10 s ahead, and keeps at most 1,024 from all sessions.
 constexpr std::chrono::seconds kLongestLead{1};
 
 const StreamedRow& streamed_row(Streamed what) {
@@ -141,7 +141,7 @@ Result<GroupStatus> AxisGroup::stream(const Eigen::VectorXd& set_points) {
   return state_->status_of(call);
 }
 
-/// The step waits for the frames, so their answers have arrived after it.
+/// The step waits for the frames, so their answers have arrived when it ends.
 Outcome AxisGroup::State::stream_stepping(const Round& round) const {
   AxesCall& call = stream->call;
   const std::uint64_t ticks = stream->options.pace == Pace::drive ? 1 : 0;
@@ -151,8 +151,8 @@ Outcome AxisGroup::State::stream_stepping(const Round& round) const {
   return call.collect(sent, std::move(outcome)).outcome;
 }
 
-/// Positions are sent for consecutive ticks. Each is answered in its tick, and the caller continues
-/// on that answer, so the clock of the bench paces the stream.
+/// Set-points are sent for consecutive ticks. Each is answered in its tick, and the caller waits
+/// for that answer, so the clock of the bench paces the stream.
 Outcome AxisGroup::State::stream_ahead(const Round& round) const {
   const std::uint64_t lead = lead_of(*stream);
   if (stream->next_tick == 0) {
@@ -163,7 +163,7 @@ Outcome AxisGroup::State::stream_ahead(const Round& round) const {
   std::vector<SentFrames>& sent = stream->in_flight.emplace_back();
   Outcome outcome = stream->call.send({&round, 1}, stream->next_tick++, sent);
   while (outcome && stream->in_flight.size() >= lead) outcome = collect_oldest();
-  if (!outcome) {  // restart: the next position is as far ahead as the first one was
+  if (!outcome) {  // restart: the next set-point is as far ahead as the first one was
     collect_rest();
     stream->next_tick = 0;
   }
@@ -180,7 +180,7 @@ Outcome AxisGroup::State::collect_oldest() const {
   return {};
 }
 
-/// The remaining answers no longer matter.
+/// Discards the remaining answers, which no longer matter.
 void AxisGroup::State::collect_rest() const {
   while (!stream->in_flight.empty()) {
     (void)stream->call.collect(stream->in_flight.front(), {});
@@ -216,7 +216,7 @@ Outcome AxisGroup::stop_streaming(const GroupCallOptions& options) {
       state_->core->held_axes.forget_running(part.target.key, part.bench->axes);
     }
   }
-  // A late position was not executed: the axes are not at rest where the caller expects them.
+  // A late set-point was not executed: the axes are not at rest where the caller expects them.
   return seen ? rest : seen;
 }
 

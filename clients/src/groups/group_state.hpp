@@ -40,7 +40,7 @@ struct ActiveLine {
   std::vector<GivenCommand> given;  ///< the set-points
 };
 
-/// The values sent to the axes with their targets.
+/// The values sent to the axes with their targets, and the course that results.
 struct LinePlan {
   LineTimes times;
   std::vector<std::int64_t> reference_ways;  ///< 5E10h:05 [UU]; each 0 from rest
@@ -69,7 +69,7 @@ inline constexpr std::array kStreamedRows = [] {
   };
 }();
 
-/// Set-points in flight in cyclic streaming.
+/// The state of cyclic streaming.
 struct Stream {
   const StreamedRow& row;
   StreamOptions options;
@@ -84,7 +84,7 @@ struct AxisGroup::State {
   std::shared_ptr<SessionCore> core;
   GroupLayout layout;
 
-  std::mutex mutex;  ///< guards the members up to `queue`
+  std::mutex mutex;  ///< guards `line` and `queue`
   std::optional<ActiveLine> line;
   std::deque<LineRequest> queue;
 
@@ -116,8 +116,8 @@ struct AxisGroup::State {
   /// @return whether the demand positions are at rest on their targets.
   [[nodiscard]] static bool has_arrived(const ActiveLine& line, std::span<const AxisSnapshot> axes);
 
-  /// Waits until the present line has arrived: the demand positions and, with `in_position`, the
-  /// axes too.
+  /// Waits until the demand positions have reached the end of the present line and, with
+  /// `in_position`, the axes too.
   Outcome await_line(AxesCall& call, const GroupCallOptions& options, bool in_position);
 
   /// Starts `request`, then waits as the options require.
@@ -133,7 +133,7 @@ struct AxisGroup::State {
 
   [[nodiscard]] GroupStatus status_of(const AxesCall& call);
 
-  /// One cycle of poll().
+  /// The checks that poll() and monitor() share.
   Outcome watch(AxesCall& call);
 
   /// Stops the other axes if an axis of the present line has got another command.

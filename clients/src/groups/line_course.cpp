@@ -104,7 +104,7 @@ Outcome check_motion(const Measure& measure, std::span<const AxisSnapshot> axes,
   return {};
 }
 
-/// Beyond its farthest target a line is known less exactly, by the rounding of that target.
+/// Beyond its farthest target a line is known less exactly, because that target is rounded.
 Outcome check_targets(const Measure& measure, std::span<const AxisSnapshot> axes,
                       std::span<const std::int32_t> targets, std::span<const Unit> units) {
   const double share = measure.share(targets[measure.longest()]);

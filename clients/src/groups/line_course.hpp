@@ -21,7 +21,7 @@ struct LineCourse {
 [[nodiscard]] bool is_on_the_move(std::span<const AxisSnapshot> axes) noexcept;
 
 /// Determines the course of a line to `targets` [UU] that moving axes can join: their present
-/// course, with its farthest target.
+/// course, extended if a target lies beyond it.
 /// @param in_hand the course of their present line; nothing if they move without one
 /// @param units of the axes, for messages
 /// @return refused, naming the axis, its value and the value on the line, if an axis or its target

@@ -82,7 +82,7 @@ double highest_peak(const MotionLimits& path, const MotionJerk& jerk) {
 }
 
 /// @return `seconds` in microseconds, rounded up to an integer of at least one. An integer stays
-///         the same in spite of rounding errors in its last bits.
+///         the same despite rounding errors in its last bits.
 microseconds rounded_up(double seconds) {
   constexpr double kNoise = 1.0e-5;  // the error of a double in 4295 s of microseconds is less
   return microseconds{
@@ -138,8 +138,8 @@ std::optional<LineTimes> plan_line(std::span<const AxisDistance> ways, microseco
 }
 
 std::optional<MovingTimes> plan_moving_line(std::span<const AxisDistance> ways) {
-  // Nothing ends with this duration, so it is not rounded to ticks: that would only make it longer,
-  // and the axes slower.
+  // Nothing ends after exactly this duration, so it is not rounded up to ticks, which would only
+  // make the axes slower.
   constexpr microseconds kFinest{1};
   const MotionLimits path = along_path(ways);
   const double needed = way_of_ramps(path.velocity, path, jerk_along_path(ways));

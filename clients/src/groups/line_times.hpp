@@ -45,17 +45,17 @@ struct MovingTimes {
   std::uint32_t stretch = 1;
 };
 
-/// Computes the times that encode the highest speed, ramps and jerk that all axes can share in any
-/// state, as 5E10h:05 takes them. `ways` only give the proportions of the line and are stretched
-/// until the ramps to the full speed fit, as far as the range of 5E10h:05 allows. The remaining
-/// distance and the speed of the axes do not matter.
+/// Computes times for 5E10h that encode the highest speed, ramps and jerk that all axes can share,
+/// whatever their remaining distance and present speed. `ways` give only the proportions of the
+/// line; they are stretched until the ramps to full speed fit, as far as the range of 5E10h:05
+/// allows.
 /// @param ways integers of at least 1 UU
 /// @return nothing if plan_line() returns nothing for the stretched distances
 [[nodiscard]] std::optional<MovingTimes> plan_moving_line(std::span<const AxisDistance> ways);
 
 /// An upper bound for the duration of a line that starts in motion.
-/// @param left the remaining distance to the target, and `speed` [1/s], both in stretched distances
-///        and without a sign
+/// @param left the remaining distance to the target, in stretched distances, without a sign
+/// @param speed of the axes [1/s], likewise
 [[nodiscard]] std::chrono::microseconds longest_duration(const LineTimes& times, double left,
                                                          double speed) noexcept;
 

@@ -17,8 +17,8 @@
 
 namespace vdrive::client {
 
-/// A tick of a run of a service, with the ticks that the tick number has jumped over until then, as
-/// reported in status frames and states.
+/// A tick of a run of a service, with the number of ticks jumped over until then, as status frames
+/// and states report them.
 struct RunTime {
   std::uint64_t tick = 0;
   std::uint32_t skipped_ticks = 0;  ///< modulo 2^32
@@ -40,9 +40,9 @@ struct RunTime {
 /// A bench whose samples are older than this is absent.
 inline constexpr std::chrono::milliseconds kPresence{300};
 
-/// The most runs and description parts that a directory keeps. When it is full, a new run replaces
-/// the run that has been silent longest, if that silence is at least kForgetAfter; otherwise the
-/// new run is ignored.
+/// Maximum number of runs and of description parts that a directory keeps. When it is full, a new
+/// run replaces the run that has been silent longest, if that silence is at least kForgetAfter;
+/// otherwise the new run is ignored.
 inline constexpr std::size_t kMostRuns = 1'024;
 inline constexpr std::size_t kMostParts = 4'096;
 inline constexpr std::chrono::seconds kForgetAfter{60};
@@ -87,8 +87,8 @@ class Directory {
   /// Records another live sample of this run: a status frame or an answer.
   void note_sample(const BenchKey& key, std::uint64_t tick, Clock::time_point now);
 
-  /// Records the tick of a status frame or a state of this run. Older ticks than the last are
-  /// ignored.
+  /// Records the tick of a status frame or a state of this run. Ticks not later than the last one
+  /// are ignored.
   void note_time(const BenchKey& key, const RunTime& time);
 
   /// Records that this participant sent a live sample of the run, and is its sender from now on.
@@ -135,8 +135,7 @@ class Directory {
   /// @return the run of the bench heard from last; without an incarnation if there is none.
   [[nodiscard]] BenchKey newest_run(std::uint32_t number) const;
 
-  /// @return the bench whose run has announced its end, the last one of several; nothing if none
-  ///         has.
+  /// @return the last bench that has announced its end; nothing if none has.
   [[nodiscard]] std::optional<std::uint32_t> ended_bench() const;
 
   /// @return the unit of an axis from the newest description of its bench; nothing without one.
@@ -185,7 +184,7 @@ class Directory {
     std::uint32_t steppers = 0;
     std::uint64_t slowest_stepper = 0;
     std::optional<RunTime> time;  ///< newest
-    std::uint64_t skipped = 0;    ///< ticks since the first one
+    std::uint64_t skipped = 0;    ///< ticks skipped since the first `time`
   };
 
   /// @return how long this run has been silent; nothing if it is not present.
@@ -201,14 +200,15 @@ class Directory {
   /// @return the item of the bench `number`, or nullptr.
   [[nodiscard]] const std::pair<const BenchKey, Entry>* find_run(std::uint32_t number,
                                                                  Clock::time_point now) const;
-  /// The bench with the axes of all parts: copied only where needed, because a bench may have
+  /// The bench with the axes of all parts. Copy them only where needed, because a bench may have
   /// thousands.
   [[nodiscard]] PresentBench whole(const Entry& entry, Clock::time_point now) const;
 
   /// @return the entry of this run, created if there is room; nullptr if there is none.
   Entry* entry_of(const BenchKey& key, Clock::time_point now);
   bool has_room_for_part(Clock::time_point now);
-  /// @return whether one had been silent for long enough.
+  /// Forgets the run that has been silent longest, unless that is less than kForgetAfter.
+  /// @return whether a run was forgotten.
   bool forget_the_most_silent(Clock::time_point now);
 
   const wire::Presence& presence_;

@@ -29,7 +29,7 @@ std::string host_of(std::string_view place) {
                                          : std::string(place.substr(found + kBefore.size()));
 }
 
-// A service that had no room for this participant reads the announcement again only if it changes.
+// A service without room for this participant reads its announcement again only when that changes.
 constexpr milliseconds kAnnounceAgain{1'000};
 
 /// @return the number of the bench whose service has a participant of this name; nothing for any
@@ -302,8 +302,8 @@ Result<AxisInfo> Discovery::find_on_bench(std::uint32_t bench, std::string_view 
                             list_of({&*found, 1}));
 }
 
-/// Ends when the bench with the name is found and every bench met has described its axes: if two
-/// axes share the name, neither may be commanded by accident.
+/// Ends once an axis with the name is found and every bench met has described its axes: if two axes
+/// share the name, neither may be commanded by accident.
 Result<AxisInfo> Discovery::find_name(std::string_view name) {
   SearchCompletion completion(Clock::now());
   std::vector<PresentBench> benches;

@@ -27,11 +27,10 @@
 
 namespace vdrive::client {
 
-/// How long a silence of a bench must be to end a wait.
+/// How long a bench must be silent before a wait ends.
 enum class Silence : std::uint8_t {
-  ends_call,   ///< as long as SessionOptions::silence
-  is_bridged,  ///< as long as SessionOptions::patience: calls that follow a bench continue after a
-               ///< gap
+  ends_call,   ///< SessionOptions::silence
+  is_bridged,  ///< SessionOptions::patience: calls that follow a bench continue after a gap
 };
 
 /// The benches and axes that are present: receives the descriptions and states of benches, and
@@ -43,7 +42,7 @@ class Discovery {
 
   Discovery(wire::Participant& participant, SessionOptions options, Wakeup& wakeup);
 
-  /// To be called before any lock of the session is taken.
+  /// Call this before taking any lock of the session.
   /// @return lost in a forked child of the session's process.
   [[nodiscard]] Outcome check_process() const;
 
@@ -58,7 +57,7 @@ class Discovery {
   /// @return the present obstacles to finding benches.
   [[nodiscard]] std::vector<std::string> network_troubles() const;
 
-  /// An axis by address or name.
+  /// Finds an axis by address or name.
   Result<AxisInfo> find_axis(std::string_view text);
 
   // ---- information from other messages
@@ -103,14 +102,14 @@ class Discovery {
   /// @return the run of the bench that is present now; nothing if there is none.
   [[nodiscard]] std::optional<Target> present_target(std::uint32_t bench) const;
 
-  /// @return as present_target(), but only a run that continues `run`. The run of a restarted
-  ///         service does so. If a bench cannot return, another run with its number is a different
-  ///         bench.
+  /// @return as present_target(), but only a run that continues `run`: the same one or, on a
+  ///         network, that of a restarted service. In this process, another run with the same
+  ///         number is a different bench.
   /// @param run incarnation 0 = none yet: any run continues it
   [[nodiscard]] std::optional<Target> continuation_of(const BenchKey& run) const;
 
-  /// @return why a bench that has no run now sends nothing.
-  /// @param key a run of it; incarnation 0 = the last one seen
+  /// @return why a bench without a present run sends nothing.
+  /// @param key a run of the bench; incarnation 0 = the last one seen
   [[nodiscard]] Outcome loss_of(const BenchKey& key) const;
 
   /// @return whether a bench with this number is present, or may be.
@@ -140,8 +139,8 @@ class Discovery {
   /// @return the newest tick received, 0 if none.
   [[nodiscard]] std::uint64_t tick(const BenchKey& key) const;
 
-  /// @return whether the run may be far ahead of the newest tick received: its presence is certain
-  ///         even when it sends nothing.
+  /// @return whether the run may be far ahead of the newest tick received: in this process, a bench
+  ///         is present even when it sends nothing.
   [[nodiscard]] bool may_be_ahead(const BenchKey& key) const;
 
   /// @return the newest tick from a status frame or a state, minus the ticks that the tick number
@@ -159,7 +158,7 @@ class Discovery {
     return std::max(options_.patience, options_.silence);
   }
 
-  /// How long calls that follow a bench wait for its return after it has gone.
+  /// How long calls that follow a bench wait for it to return.
   [[nodiscard]] std::chrono::milliseconds time_to_return() const noexcept {
     return presence_.may_return() ? patience() : std::chrono::milliseconds(0);
   }
@@ -190,8 +189,8 @@ class Discovery {
   /// Searches until `condition`, called with the present findings, holds, or the time of a search
   /// is up.
   /// @param number if the search is for one bench only
-  template <typename Condition>
   /// @param completion the search also looks again at its next_end(); nullptr = none
+  template <typename Condition>
   void search(std::optional<std::uint32_t> number, const Condition& condition,
               const SearchCompletion* completion = nullptr);
   /// Called with the lock held.

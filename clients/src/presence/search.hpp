@@ -16,12 +16,12 @@ struct SearchFindings {
   /// Participants of services that this session can meet: known some 100 ms before their benches.
   std::size_t services = 0;
   std::size_t undescribed = 0;  ///< of these, those that have not described their bench
-  std::size_t unreachable = 0;  ///< services in the other mode: closed for an open session
-  bool is_complete = false;     ///< certainly nobody else is present
+  std::size_t unreachable = 0;  ///< services in the other security mode (open or closed)
+  bool is_complete = false;     ///< it is certain that no further bench is present
 };
 
 /// @param delay see SearchTime
-/// @return such as "seen: 3 other participants, 1 service that has not described its bench".
+/// @return a text such as "seen: 3 other participants, 1 service that has not described its bench".
 [[nodiscard]] std::string text_of(const SearchFindings& findings, SearchClock::duration delay);
 
 /// Decides when an unsuccessful search ends. It waits longer for a participant that has announced
@@ -54,12 +54,12 @@ class SearchCompletion {
 
   bool has_ended(const SearchFindings& findings, SearchClock::time_point now);
 
-  /// @return when the search must look again even if nothing changes: when the next of these waits
-  ///         ends; the largest time point if none is in progress.
+  /// @return when the search must look again even if nothing changes: the next time at which one of
+  ///         the counts ends; time_point::max() if there is none.
   [[nodiscard]] SearchClock::time_point next_end(SearchClock::time_point now) const;
 
  private:
-  /// A number that changes as more are found.
+  /// The number of services or benches found. It has ended once it has not changed for a while.
   class Count {
    public:
     explicit Count(SearchClock::time_point begin) : begin_(begin) {}

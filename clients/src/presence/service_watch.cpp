@@ -13,7 +13,7 @@ using std::chrono::milliseconds;
 // Samples of a bench that publishes its ticks arrive every few milliseconds. With this limit,
 // silence is reported within 100 ms even if the check itself runs late.
 constexpr milliseconds kSilenceOfAStream{80};
-// A bench that stands still publishes its state 20 times a second: one lost sample is not a
+// A bench that stands still publishes its state 20 times a second: a few lost samples are not a
 // silence.
 constexpr milliseconds kSilenceOfAState{250};
 

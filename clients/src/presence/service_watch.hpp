@@ -25,11 +25,11 @@ class ServiceWatch {
     bool is_there = false;
   };
 
-  /// Updates the knowledge about a bench from one of its runs.
+  /// Updates what is known about a bench from one of its runs.
   /// @return the change, if any.
   static std::optional<ServiceNews> note(Known& known, const SeenRun& run);
 
-  /// Limits the memory to the benches that the directory knows.
+  /// Forgets benches that the directory no longer knows, to bound the memory.
   void forget_the_unknown(const std::vector<SeenRun>& runs);
 
   std::map<std::uint32_t, Known> known_;  ///< by bench

@@ -46,7 +46,7 @@ struct Target {
                                  std::string_view what);
 
 /// @return why a command frame, or a command in it, was refused.
-/// @param apply_at_tick that the frame was meant for, 0 = any
+/// @param apply_at_tick the tick that the frame was meant for, 0 = any
 [[nodiscard]] Outcome refusal_of(const Target& target, const msg::CommandReply& reply,
                                  std::uint64_t apply_at_tick);
 

@@ -21,8 +21,8 @@ namespace {
 
 using wire::WrittenMark;
 
-/// Sends a request that concerns the complete bench, such as one about its saved states.
-/// @param what names the state, such as "snapshot 1"
+/// Sends a request that concerns the whole bench, such as one about its snapshots or windows.
+/// @param what names the subject in messages, such as "snapshot 1"
 Result<RequestAnswer> exchange_with_bench(SessionCore& core, std::uint32_t bench,
                                           msg::Request request,
                                           const std::string& what = "snapshot") {
@@ -61,7 +61,7 @@ void take_context(const msg::ObjectResult& mark, AxisWrite& next) {
   }
 }
 
-/// @return the event other than a write that the mark stands for; nothing if it is another mark.
+/// @return the event, other than a write, that the mark stands for; nothing for any other mark.
 std::optional<AxisWrite::Kind> kind_of(WrittenMark mark) {
   switch (mark) {
     case WrittenMark::lost:
@@ -137,7 +137,7 @@ KeptWindow window_of(const msg::Reply& reply) {
   return window;
 }
 
-/// @return the break that a mark stands for; nothing if it is another mark.
+/// @return the break that a mark stands for; nothing for any other mark.
 std::optional<WindowBreak::Kind> break_of(WrittenMark mark) {
   switch (mark) {
     case WrittenMark::restored:

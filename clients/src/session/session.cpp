@@ -97,7 +97,7 @@ msg::AxisCommand command_of(const SetPoint& point) {
   return command;
 }
 
-/// @return whether the mode in force uses the object as its set-point, or adds it as an offset.
+/// @return whether an active mode takes the object as its target, offset or data record.
 bool is_target(const ObjectValue& value) {
   const auto row = find_object(value.object);
   if (!row) return false;
@@ -121,8 +121,7 @@ FrameContent content_of(const SetPointFrame& frame, std::span<const SetPoint> ax
   return content;
 }
 
-/// Adds the frame in parts that a bench accepts. A frame without axes is one part too: a
-/// keep-alive.
+/// Adds the frame in parts that a bench accepts. A frame without axes is sent too, as a keep-alive.
 void add_contents(const SetPointFrame& frame, std::vector<FrameContent>& contents) {
   const std::size_t first = contents.size();
   std::span<const SetPoint> left(frame.axes);

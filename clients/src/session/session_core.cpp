@@ -88,8 +88,8 @@ SessionCore::SessionCore(const SessionOptions& chosen)
 
 void SessionCore::end() {
   if (!discovery.check_process()) return;
-  // First end the reports to the program, then the senders: a report may start a call, and the
-  // release needs the links.
+  // The reports to the program end first, because a report may start a call; the links close last,
+  // because the release needs them.
   reports.end();
   clocks.leave_all();
   control.end();
@@ -99,7 +99,7 @@ void SessionCore::end() {
 
 void SessionCore::abandon() noexcept {
   if (!discovery.check_process()) return;
-  // In this order, so that a waiting call does not repeat unanswered messages.
+  // The links close first, so that a call that the interrupt ends sends nothing more.
   links.close();
   clocks.abandon();
   wakeup.interrupt();

@@ -37,7 +37,7 @@ struct StepClock::State {
   std::shared_ptr<SessionCore> core;
   std::vector<Member> members;
   std::atomic<nanoseconds::rep> now = 0;
-  TurnMutex steps;  ///< puts the steps of threads in order; guards the ticks of the members
+  TurnMutex steps;             ///< one step at a time; guards the ticks of the members
   bool is_unfinished = false;  ///< guarded by `steps`
 
   explicit State(std::shared_ptr<SessionCore> session) : core(std::move(session)) {}

@@ -19,8 +19,8 @@ namespace {
 // Changes are reported within 100 ms: detecting silence takes 80 ms of that, see service_watch.cpp.
 constexpr std::chrono::milliseconds kWatchPeriod{5};
 
-// Capacity for events waiting for the program; beyond it, the oldest are dropped. There is room for
-// all events that a bench keeps.
+// Maximum number of events waiting for the program; beyond it, the oldest are dropped. Enough for
+// all events that a bench keeps and 4,096 more.
 constexpr std::size_t kMostEvents = kEventKinds.size() * EventFilter::kRemembered + 4'096;
 
 // The first sample of a bench, which contains its tick, may arrive after its first event.
@@ -39,7 +39,7 @@ Event event_of(const msg::Event& message) {
           .text = message.text.to_string()};
 }
 
-// A program may count them: room for 256 frames of 256 values each.
+// Room for 256 frames of 256 values each, because a program may count the refusals.
 constexpr std::size_t kMostRefusals = 65'536;
 
 using Clock = Discovery::Clock;
@@ -86,7 +86,7 @@ class ReportQueue {
     items_.clear();
   }
 
-  /// Waits for that time, or until a stop is requested.
+  /// Waits for `period`, or until a stop is requested.
   void pause(const std::stop_token& stop, std::chrono::milliseconds period) {
     std::unique_lock lock(mutex_);
     static_cast<void>(changed_.wait_for(lock, stop, period, [] {
@@ -202,14 +202,13 @@ void RefusalWatcher::watch(std::function<void(const SetPointRefusal&)> observer)
           while (const auto refusal = waiting->queue.next(stop)) observe(*refusal);
         });
       });
-  // Must not capture `this`: the links outlive this object, and replies arrive until they end.
+  // Must not capture `this`: the links outlive this object, and replies arrive until the links end.
   links_.watch_refusals([waiting = waiting_](const SetPointRefusal& refusal) {
     waiting->queue.put(refusal);
   });
 }
 
-// ---- status of axes
-// ------------------------------------------------------------------------------
+// ---- status of axes --------------------------------------------------------------------------
 
 /// The axes of one bench.
 struct StatusWatcher::Bench {
@@ -228,7 +227,7 @@ struct StatusWatcher::Watch {
   std::vector<Bench> benches;
 };
 
-/// Follows the present run of the service: after a restart that is another run.
+/// Follows the present run of the service, which is another one after a restart.
 bool StatusWatcher::follow(Bench& bench, const Watch& watch, const std::stop_token& stop) const {
   if (const std::optional<Target> target = discovery_.continuation_of(bench.key)) {
     bench.absent_since.reset();
@@ -278,7 +277,7 @@ void StatusWatcher::run(Watch& watch, const std::stop_token& stop) const {
   work_periodically(stop, [&]() -> std::optional<std::chrono::milliseconds> {
     const bool continues = failure_.run([&] {
       std::erase_if(watch.benches, [&](Bench& bench) {
-        // A report may end its reports: then no other bench is reported after it.
+        // An observer may end its own reports: then no further bench is reported.
         return !stop.stop_requested() && !follow(bench, watch, stop);
       });
     });

@@ -9,7 +9,7 @@
 namespace vdrive::client {
 namespace {
 
-// Four seconds at the usual period; a reader that is slower than that misses the oldest.
+// Four seconds at the usual period; a reader that is later than that loses the oldest samples.
 constexpr std::size_t kCapacity = 4096;
 
 // One is being filled, one is in use by its reader, some arrive while the reader is late.
@@ -67,7 +67,7 @@ bool StatusFeed::on_frame(const wire::StatusFrameView& frame) {
   if (head.bench != key_.number || head.incarnation != key_.incarnation) return false;
   if (head.tick < growing_.tick) return false;
   const bool has_begun = growing_.axes.size() == count_;  // so that tick 0 starts too
-  // A complete tick that is received again comes from a bench whose time stands still: one more
+  // A complete tick received again comes from a bench whose time stands still, and makes another
   // sample.
   if (head.tick > growing_.tick || seen_count_ == count_ || !has_begun) start(head.tick);
   for (std::size_t position = 0; position < frame.size(); ++position) {
@@ -97,7 +97,7 @@ void StatusFeed::start(std::uint64_t tick) {
     growing_.axes = std::move(spares_.back());
     spares_.pop_back();
   }
-  growing_.axes.resize(count_);  // entries of a spare are all overwritten later
+  growing_.axes.resize(count_);  // all entries of a spare are overwritten later
   seen_.assign(count_, false);
   seen_count_ = 0;
 }

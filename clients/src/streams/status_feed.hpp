@@ -18,7 +18,7 @@ namespace vdrive::client {
 /// Fills a snapshot, possibly a reused one, from an axis of a frame or of a reply.
 void fill_sample(const wire::ReceivedStatus& received, AxisSnapshot& sample);
 
-/// The range of numbers of some axes.
+/// A range of axis numbers.
 struct AxisRange {
   std::uint16_t lowest = 0;
   std::uint16_t highest = 0;
@@ -37,8 +37,8 @@ class StatusFeed {
   StatusFeed(BenchKey key, std::vector<std::uint16_t> axes, std::uint32_t status_every_ticks,
              std::uint64_t first_tick = 0);
 
-  /// @return whether a frame with axes in this range may contain a wanted one: a bench of 10,000
-  ///         axes sends 40 frames per tick, and each is searched once by every feed that wants it.
+  /// @return whether a frame with axes in this range may contain a wanted one. Other frames need
+  ///         not be searched: a bench of 10,000 axes sends 40 frames per tick.
   [[nodiscard]] bool wants(const AxisRange& range) const noexcept {
     return count_ == 0 || (range.lowest <= wanted_.highest && wanted_.lowest <= range.highest);
   }
@@ -69,7 +69,7 @@ class StatusFeed {
   std::vector<std::size_t> places_;  ///< in a sample, by axis number; count_ = not wanted
   std::uint32_t status_every_ticks_;
 
-  /// A sample and the time information of its frames.
+  /// A sample, and the skipped ticks up to it as its frames report them.
   struct Sample {
     Observation observation;
     std::uint32_t skipped_ticks = 0;
@@ -81,7 +81,7 @@ class StatusFeed {
   std::deque<Sample> samples_;
   std::vector<std::vector<AxisSnapshot>> spares_;  ///< memory of samples already taken
   std::optional<RunTime> last_;                    ///< of the last sample taken
-  std::uint64_t skipped_ = 0;                      ///< ticks, since the first sample
+  std::uint64_t skipped_ = 0;                      ///< ticks skipped since the first sample
 };
 
 }  // namespace vdrive::client

@@ -12,7 +12,7 @@
 namespace vdrive::client {
 namespace {
 
-// Allows for a large bench, whose axis samples are sent in turn.
+// Long enough for a large bench, which sends the samples of its axes in turn.
 constexpr Patience kFirstSampleOfAll{std::chrono::milliseconds(5000), true};
 
 }  // namespace
@@ -35,8 +35,8 @@ void StatusStream::subscribe() {
   });
 }
 
-/// Works in the library's buffer: with a thousand axes per millisecond, samples are read once and
-/// copied nowhere else.
+/// Reads the frame in the library's buffer, because at a thousand axes per millisecond another copy
+/// would cost too much.
 void StatusStream::take(std::span<const std::byte> sample) {
   taken_.reset();
   const auto frame = wire::StatusFrameView::of(sample);
@@ -44,7 +44,7 @@ void StatusStream::take(std::span<const std::byte> sample) {
   taken_ = frame->head();
   is_news_ = taken_->part + 1 >= taken_->parts;
   if (frame->size() == 0) return;
-  std::optional<AxisRange> range;  // empty for a session that only watches services and has no feed
+  std::optional<AxisRange> range;  // none without a feed, as when only watching services
   const std::scoped_lock lock(mutex_);
   for (const auto& weak : feeds_) {
     const auto feed = weak.lock();
@@ -58,8 +58,8 @@ void StatusStream::deliver(const wire::Source& source) {
   if (!taken_) return;
   discovery_.note_frame({taken_->bench, taken_->incarnation}, {taken_->tick, taken_->skipped_ticks},
                         source);
-  // Not for each part of a tick: waiting threads would wake for nothing, and compete with the
-  // receiving one.
+  // Not for each part of a tick: waiting threads would wake for nothing and compete with the
+  // receiving thread.
   if (is_news_) wakeup_.notify();
 }
 

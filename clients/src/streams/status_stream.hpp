@@ -20,8 +20,8 @@
 
 namespace vdrive::client {
 
-/// The status that benches publish of their axes: status frames, tick by tick, and axis samples, at
-/// intervals. Thread-safe.
+/// The status that benches publish for their axes: status frames, tick by tick, and axis samples,
+/// at intervals. Thread-safe.
 class StatusStream {
  public:
   StatusStream(wire::Participant& participant, Discovery& discovery, BenchLinks& links,
@@ -30,8 +30,7 @@ class StatusStream {
   /// Receives status frames from now on; before that, the session puts no load on the network.
   void subscribe();
 
-  /// Starts collecting the status stream for `axes`; ends when the last pointer to the feed is
-  /// gone.
+  /// Starts collecting the status stream for `axes`, until the last pointer to the feed is gone.
   /// @param first_tick frames of earlier ticks are ignored
   std::shared_ptr<StatusFeed> open_feed(const Target& target, std::vector<std::uint16_t> axes,
                                         std::uint64_t first_tick = 0);
@@ -39,7 +38,7 @@ class StatusStream {
   /// @return whether next() would return a sample immediately.
   [[nodiscard]] bool has_next(const StatusFeed& feed) const;
 
-  /// Waits for the next sample of a feed, which takes the memory of `sample` in return.
+  /// Waits for the next sample of a feed; the feed reuses the old memory of `sample`.
   Outcome next(const Target& target, StatusFeed& feed, const Patience& patience,
                Observation& sample);
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The commands about the time of a bench: steps, its rate, and states to go back to.
+// The commands for the time of a bench: step, rate and snapshot.
 #include "commands/clock.hpp"
 
 #include "base/usage_error.hpp"
@@ -153,7 +153,7 @@ void print_snapshots(const client::BenchInfo& bench, std::span<const client::Kep
   }
 }
 
-/// Of one bench, or of all if none is named.
+/// Lists the snapshots of one bench, or of all benches if none is named.
 Outcome list_snapshots(std::optional<std::uint32_t> number, const CommandContext& context) {
   const auto benches = benches_to_show(context.session, number);
   if (!benches) return benches.outcome();

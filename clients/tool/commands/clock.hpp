@@ -24,8 +24,7 @@ struct StepCommand {
 };
 
 struct RateCommand {
-  std::optional<double> rate{};          ///< drive time per wall time; none = show the rates of all
-                                         ///< benches
+  std::optional<double> rate{};          ///< drive time over wall time; none = show all rates
   std::optional<std::uint32_t> bench{};  ///< none = the only one
 
   void declare(Arguments& arguments);

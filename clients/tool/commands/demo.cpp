@@ -28,7 +28,8 @@ namespace {
 using client::Outcome;
 using namespace std::chrono_literals;
 
-/// How long an axis is left alone after a visitor has taken or stopped it, or it has had a fault.
+/// How long the demo leaves an axis alone after a user of the page has acquired or stopped it, or
+/// after a fault.
 constexpr auto kLeftAlone = 3s;
 constexpr auto kPoll = 200ms;
 // Long, because the bench has just been started and the machine may be busy.

@@ -41,7 +41,7 @@ client::Result<std::map<std::uint32_t, client::BenchInfo>> benches_of(
   return benches;
 }
 
-/// @param shown status of the axes; an axis that it lacks, because its bench did not answer, is
+/// @param shown status of the axes; axes without a status, because their bench did not answer, are
 ///        left out of the result
 std::vector<DescribedAxis> read_objects(const std::vector<client::Axis>& axes,
                                         const AxisStates& shown) {

@@ -119,7 +119,7 @@ void add_homing_methods(std::vector<std::string>& lines) {
   }
 }
 
-/// The meanings of an object's values, below its row if the object was asked for.
+/// Adds the meanings of values, for the objects that the user named.
 void add_meanings(const DictionaryCommand& command, std::vector<std::string>& lines) {
   using namespace vdrive::literals;
   const auto is_asked = [&command](ObjectRow row) {
@@ -264,7 +264,7 @@ TableFormat parse_table_format(const std::string& text) {
   return row == kFormatNames.end() ? TableFormat::table : row->format;
 }
 
-/// The options of a data sheet for one node are allowed with this format only.
+/// Refuses the options for the data sheet of one node in any other format than eds.
 void check_node(const DictionaryCommand& command) {
   if (command.node && command.format != TableFormat::eds) {
     throw UsageError("--node applies to a data sheet only: add --format eds");

@@ -25,7 +25,7 @@ struct DictionaryCommand {
   Language language = Language::en;
   std::vector<ObjectName> objects = {};  ///< rows of these objects; none = all
 
-  // Data sheet: of this node, with the values that its axis has after power-up.
+  // Data sheet for this node, with the values that its axis has after power-up.
   std::optional<std::uint64_t> node = {};
   std::optional<std::uint64_t> axis_number = {};  ///< number on its bench; none = the node-ID
   std::string preset = {};                        ///< machine preset; empty = the default axis

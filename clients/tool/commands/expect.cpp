@@ -123,8 +123,8 @@ namespace {
 
 using client::Outcome;
 
-/// @throws UsageError for a text such as 1.1: the user more often means an axis, and has forgotten
-///         the condition, than 1.1 s.
+/// @throws UsageError for a text such as 1.1: the user has probably named an axis and forgotten the
+///         condition, rather than meant 1.1 s.
 Duration parse_time(const std::string& text) {
   if (!client::parse_axis_id(text)) return parse_duration(text);
   throw UsageError(in_quotes(text) + " is an axis: write what to wait for, such as 'wait " + text +

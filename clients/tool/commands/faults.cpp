@@ -120,7 +120,7 @@ std::vector<client::AxisId> axes_of_window(const client::BenchInfo& bench,
   return axes;
 }
 
-/// [ms] of drive time relative to the first cause.
+/// @return the drive time from the first cause to `tick` [ms].
 std::string offset_text(const client::BenchInfo& bench, const KeptWindow& window,
                         std::uint64_t tick) {
   const auto ticks = static_cast<std::int64_t>(tick - window.causes.front().tick);

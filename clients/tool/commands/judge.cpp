@@ -154,7 +154,7 @@ void print_verdict(const judge::Verdict& verdict, const judge::ReportLabels& lab
   program.terminal.print(text);
 }
 
-/// The files of reports, opened before the log is read.
+/// The report files, opened before the log is read.
 class ReportFiles {
  public:
   explicit ReportFiles(const JudgeCommand& command)
@@ -163,7 +163,7 @@ class ReportFiles {
         sarif_("--sarif", command.sarif),
         html_("--html", command.html) {}
 
-  /// @return why one could not be written, or nothing.
+  /// @return why a report could not be written, or nothing.
   std::optional<std::string> write(const judge::Verdict& verdict,
                                    const judge::ReportLabels& labels) {
     std::optional<std::string> failure;

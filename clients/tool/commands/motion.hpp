@@ -13,7 +13,7 @@
 
 namespace vdrive::tool {
 
-/// The arguments of a command that runs at a velocity (profile velocity mode).
+/// The arguments of a command that runs an axis at a velocity (profile velocity mode).
 struct RunAt {
   Quantity velocity{};
   std::optional<Quantity> acceleration{};
@@ -23,7 +23,8 @@ struct RunAt {
   /// Declares AXIS, then these arguments.
   void declare(Arguments& arguments, std::string& axis);
 
-  /// @throws UsageError for a unit that the axis does not have, and for a value out of range in it.
+  /// @throws UsageError for a unit that the axis does not have, and for a value that is out of
+  ///         range after conversion from its unit.
   void check_units(const AxisFinder& axes, const client::Axis& axis) const;
 
   /// @return [UU/s]

@@ -62,7 +62,7 @@ class PictureSink {
  public:
   PictureSink(const std::string& file, Terminal& terminal) : file_(file), terminal_(terminal) {}
 
-  /// Called before a lengthy recording. @throws RecordingError
+  /// Opens the file, before a long recording is made for it. @throws RecordingError
   void open() {
     if (file_ != "-" && !output_) output_.emplace(file_);
   }
@@ -337,7 +337,7 @@ Outcome record_and_draw(const PlotCommand& command, CommandContext& context) {
 }
 
 /// Whether `source` is a recording. The name of an axis has neither the extension of a recording
-/// nor a slash; a file without them may have the same name as an axis, which --duration selects.
+/// nor a slash; if a file without either has the same name as an axis, --for selects the axis.
 bool is_file(const PlotCommand& command) {
   std::error_code error;
   return recording::format_of(command.source) || command.source.find('/') != std::string::npos ||

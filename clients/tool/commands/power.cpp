@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The commands about the power state and the standstill of axes.
+// The commands that change the power state of axes, stop them and let them continue.
 #include "commands/power.hpp"
 
 #include "execution/axis_action.hpp"

@@ -272,8 +272,8 @@ class Shell {
   ExitCode run() {
     interrupt_.arm([this] {
       session_.interrupt();
-      // A user's Ctrl-C drops the line, even if the terminal is still in its own editing mode and
-      // sends it as a signal.
+      // On a terminal, Ctrl-C only drops the line, even if the terminal is still in its own editing
+      // mode and sends Ctrl-C as a signal.
       const bool ends_wait = is_waiting_ && !reader_.is_interactive();
       if (ends_wait || interrupt_.is_termination()) end_by_signal();
     });
@@ -297,7 +297,7 @@ class Shell {
 
   std::optional<std::string> next_line() {
     is_waiting_ = true;
-    // Between two lines a signal does not end a command, so it ends the shell.
+    // Between two lines there is no command for a signal to end, so it ends the shell.
     if (!reader_.is_interactive() && interrupt_.happened()) end_by_signal();
     auto line = reader_.next();
     is_waiting_ = false;

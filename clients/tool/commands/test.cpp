@@ -205,7 +205,7 @@ class ScenarioTests {
     return verdict;
   }
 
-  /// Waits for an interrupted scenario to end; kills it if it does not.
+  /// Waits for a scenario to end; kills it if it does not end within kFinalLines of an interrupt.
   int wait_for(process::ChildProcess& run) {
     constexpr std::chrono::milliseconds kCheckPeriod{200};  // checks for an interrupt, which does
                                                             // not wake the wait

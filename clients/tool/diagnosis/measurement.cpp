@@ -31,7 +31,8 @@ using Clock = std::chrono::steady_clock;
 using namespace std::chrono_literals;
 
 constexpr std::uint32_t kBench = 1;
-// The size of a usual bench. Measuring the speed needs enough axes to fill every lane.
+// The size of a usual bench. Measuring the speed needs enough axes to fill every lane of the core's
+// blocks.
 constexpr std::size_t kAxesOfLateness = 64;
 constexpr std::size_t kAxesOfSteps = 64;
 constexpr std::size_t kAxesOfSpeed = 1'024;
@@ -53,7 +54,7 @@ constexpr Plan kQuick{1s, 500ms, 500ms, 1s, 3};
 constexpr auto kSettling = 500ms;
 constexpr auto kFind = 30s;
 
-/// Any failure of a bench ends the measurement.
+/// Throws if the call has failed: any failure of a bench ends the measurement.
 void require(const Outcome& outcome) {
   if (!outcome) throw std::runtime_error(outcome.message());
 }
@@ -103,7 +104,7 @@ Lateness lateness_between(const msg::BenchState& begin, const msg::BenchState& e
 
 /// The lateness of the operating system alone: the reference for the ticks.
 Lateness sleep_and_wake(std::chrono::milliseconds duration, const Interrupt& interrupt) {
-  prctl(PR_SET_TIMERSLACK, 1UL);  // NOLINT(*-vararg): as the thread of the ticks has it
+  prctl(PR_SET_TIMERSLACK, 1UL);  // NOLINT(*-vararg): the slack of the tick thread
   Lateness lateness;
   auto next = Clock::now();
   const auto end = next + duration;
@@ -191,7 +192,7 @@ class Measuring {
     if (interrupt_.happened()) throw std::runtime_error("interrupted");
   }
 
-  /// Measures both at the same time, so that a disturbance affects both.
+  /// Measures the ticks and the bare loop at the same time, so that a busy moment affects both.
   void measure_lateness(Measurement& measurement) {
     with_bench("realtime", kAxesOfLateness, [&](client::Session&, std::uint32_t domain) {
       States states(domain);

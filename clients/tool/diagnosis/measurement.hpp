@@ -53,7 +53,7 @@ struct StatusStreamFigures {
 
 /// The measurements of `vdrive bench`, in order.
 struct Measurement {
-  Lateness bare;  ///< a thread that sleeps until each millisecond
+  Lateness bare;  ///< a thread that wakes every millisecond
   Lateness ticks;
   RoundTrips steps;
   double tick_of_an_axis = 0.0;  ///< time of one core for a tick of an axis and for sending its
@@ -82,7 +82,7 @@ struct MeasurementOptions {
   bool is_json = false;
 };
 
-/// `vdrive bench`: measures this machine on private benches, which end with it.
+/// `vdrive bench`: measures this machine on private benches, which end when it returns.
 ExitCode run_measurement(const MeasurementOptions& options, Interrupt& interrupt,
                          Terminal& terminal);
 

@@ -33,15 +33,16 @@ struct AxisAction {
   bool gains_control = false;
   bool names_next_step = true;  ///< see AxisReport
 
-  /// Whether an axis has done it, to show the progress of many; nullptr = its status does not tell.
+  /// Whether an axis has carried out the command, to show the progress of several axes; nullptr =
+  /// the status does not show it.
   CommandProgress::AxisTest is_done = nullptr;
 
   /// The report in place of the state; nullptr = the state.
   Record (*result_record)(const client::Axis& axis) = nullptr;
 };
 
-/// The arguments of such a command. Several axes get it together; if it fails for one of them, the
-/// others still get it.
+/// The arguments of a command that takes only axes. Several axes get the command together; if it
+/// fails for one of them, the others still get it.
 struct AxisActionCommand {
   const AxisAction* action = nullptr;
   std::vector<std::string> axes{};

@@ -21,7 +21,7 @@ class AxisFinder {
  public:
   explicit AxisFinder(client::Session& session) : session_(session) {}
 
-  /// Also adds its bench to benches().
+  /// Finds an axis, and adds its bench to benches().
   client::Result<client::Axis> axis(const std::string& name);
 
   /// As axis(), and takes control of the axis if `take_over`.
@@ -34,7 +34,7 @@ class AxisFinder {
   client::Result<std::vector<client::Axis>> axes_of_bench(std::uint32_t bench);
   client::Result<std::vector<client::Axis>> axes_of_all_benches();
 
-  /// A bench that a command refers to without naming an axis.
+  /// Adds a bench that a command refers to without naming an axis.
   void add_bench(std::uint32_t bench) { benches_.insert(bench); }
 
   /// The benches of the axes found, and those added: `wait` lets time pass on them.
@@ -52,7 +52,8 @@ class AxisFinder {
   [[nodiscard]] client::Outcome named(const client::Outcome& outcome) const;
 
   /// @return [UU] of this axis.
-  /// @throws UsageError for a unit that the axis does not have, and for a value out of range in it.
+  /// @throws UsageError for a unit that the axis does not have, and for a value that is out of
+  ///         range after conversion from its unit.
   [[nodiscard]] std::int64_t user_units(const client::Axis& axis, const Quantity& quantity) const;
 
   /// As user_units(), for a speed or a ramp if one was given.

@@ -49,7 +49,7 @@ std::string_view command_before_motion(PowerState state) noexcept {
 }
 
 Outcome report_axis(CommandContext& context, const client::Axis& axis, AxisReport report) {
-  // The status of a lost bench is not read: that would be a search until --timeout.
+  // The status of a lost bench is not read, because that would search for it until --timeout.
   const bool shows_nothing = report.outcome.kind() == client::OutcomeKind::lost;
   if (context.output.is_quiet || shows_nothing) {
     return report_axis(context, axis, std::move(report), nullptr);

@@ -28,7 +28,7 @@ struct AxisReport {
 [[nodiscard]] std::string_view command_before_motion(PowerState state) noexcept;
 
 /// Prints the report with the present status of the axis.
-/// @return the outcome, in the words of the report.
+/// @return the outcome, with the message as it was reported.
 client::Outcome report_axis(CommandContext& context, const client::Axis& axis, AxisReport report);
 
 /// @param status present status of the axis, nullptr if unknown

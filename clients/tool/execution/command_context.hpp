@@ -18,7 +18,7 @@
 
 namespace vdrive::tool {
 
-/// Changes that commands have made to benches for everybody, and the previous values.
+/// Changes by commands that affect all users of a bench, and the previous values.
 class BenchChanges {
  public:
   explicit BenchChanges(client::Session& session) : session_(session) {}
@@ -30,7 +30,7 @@ class BenchChanges {
   void note_rate(std::uint32_t bench, double before) { rates_before_.emplace(bench, before); }
 
   /// Clears the test-bench inputs and restores the rate of each bench.
-  /// @param axes knows the names that the user has typed
+  /// @param axes has the names that the user has typed
   /// @return the restored values, such as "test_blocked_load of 1.1 is 0".
   std::vector<std::string> put_back(const AxisFinder& axes);
 
@@ -56,7 +56,7 @@ struct CommandContext {
         changes(of_session),
         progress(of_session, output) {}
 
-  /// @return the options of a call that waits in this way, with the limit of the command.
+  /// @return the options of a call that returns as `until` says, with the time-out of the command.
   [[nodiscard]] client::CallOptions call_options(client::Until until) const;
 
   client::Session& session;
@@ -80,12 +80,13 @@ struct CommandContext {
 client::Outcome execute(const Command& command, CommandContext& context,
                         std::optional<Duration> timeout);
 
-/// Shows the progress of waiting for an expectation; nothing if it does not wait.
+/// Shows the progress while a command waits for an expectation; shows nothing if it does not wait.
 void show_progress_of(const Expectation& expectation, const client::Axis& axis,
                       CommandContext& context);
 
-/// Checks of a command that need its axes, made before anything moves.
-/// @throws UsageError for a unit that an axis does not have, and for a value out of range in it.
+/// Makes those checks of a command that need its axes, before anything moves.
+/// @throws UsageError for a unit that an axis does not have, and for a value that is out of range
+///         after conversion from its unit.
 void check_units(const Command& command, CommandContext& context);
 
 }  // namespace vdrive::tool

@@ -20,7 +20,7 @@ namespace {
 
 constexpr std::chrono::milliseconds kPeriodOfReports{250};
 
-/// The newest states of axes, followed from the first call on.
+/// The newest states of axes, which it follows from the first call of text().
 class NewestStates {
  public:
   using States = std::map<client::AxisId, client::AxisSnapshot>;

@@ -32,25 +32,25 @@ class CommandProgress {
   CommandProgress(const CommandProgress&) = delete;
   CommandProgress& operator=(const CommandProgress&) = delete;
 
-  /// An axis moves.
+  /// Shows an axis on its way.
   /// @param label the axis as the user has typed it
   /// @param target [UU] none if unknown
   void motion(const client::Axis& axis, const std::string& label,
               std::optional<std::int32_t> target);
 
-  /// Waits for something of an axis.
+  /// Shows an axis while the command waits for it.
   /// @param what such as "waiting for target_reached"
   void axis(const client::Axis& axis, const std::string& label, std::string what);
 
   /// Whether an axis has done what was commanded.
   using AxisTest = bool (*)(const client::AxisSnapshot& axis);
 
-  /// Several axes do the same.
+  /// Shows how many of several axes have carried out a command.
   /// @param what such as "enable"
   /// @param is_done nullptr = not known
   void axes(std::string what, const std::vector<client::Axis>& axes, AxisTest is_done);
 
-  /// An activity of which only the duration is known.
+  /// Shows only how long an activity has taken so far.
   /// @param what such as "status of 3 axes"
   void time(std::string what);
 

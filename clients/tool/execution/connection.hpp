@@ -12,7 +12,7 @@
 
 namespace vdrive::tool {
 
-/// @return the options of a session in the network given by the options.
+/// @return the options of a session for the network that the user chose.
 [[nodiscard]] client::SessionOptions session_options(const GlobalOptions& options);
 
 /// Prints a failure on standard error.

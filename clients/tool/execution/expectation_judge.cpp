@@ -87,8 +87,8 @@ class FaultWatch {
   std::optional<std::uint64_t> since_;  ///< driven tick since which it is in Fault and at rest
 };
 
-/// Observes one object of an axis in each tick, from the tick on in which the last write is in
-/// force.
+/// Observes one object of an axis in each tick, starting with the tick in which the last write
+/// takes effect.
 class ValueObserver {
  public:
   ValueObserver(client::Session& session, client::Axis& axis, ObjectAddress object)
@@ -114,7 +114,7 @@ class ValueObserver {
     ensure(follower_.has_value(), "the observer was started");
     while (true) {
       auto sample = follower_->next(kPatienceOfObserver);
-      // The machine is busy: the caller decides when to give up.
+      // No tick yet, for example because the machine is busy: keeps waiting.
       if (sample.outcome().kind() == client::OutcomeKind::timed_out) continue;
       return see(std::move(sample));
     }
@@ -126,7 +126,7 @@ class ValueObserver {
 
   [[nodiscard]] std::uint64_t tick() const { return tick_; }
 
-  /// tick() without the ticks that the number skipped: for durations.
+  /// tick() minus the ticks that the tick number skipped; use this for durations.
   [[nodiscard]] std::uint64_t driven_tick() const { return shown_.driven_tick(); }
 
   /// The latest observation of the axis.
@@ -185,8 +185,8 @@ std::string fault_text(client::Session& session, const client::AxisSnapshot& axi
 }
 
 /// @return whether a drive in Fault cannot show the condition (condition_names()) without a reset
-///         and further commands. It can show the state after a reset, and conditions that depend on
-///         the supply and the limits.
+///         and further commands. Within reach are the state after a reset and the conditions that
+///         depend on the supply and on limits.
 bool is_out_of_reach_in_fault(std::string_view condition) noexcept {
   constexpr std::array<std::string_view, 5> kComeInFault{
       "switch_on_disabled", "voltage_enabled", "internal_limit_active", "warning", "remote"};
@@ -195,8 +195,8 @@ bool is_out_of_reach_in_fault(std::string_view condition) noexcept {
 
 /// @return the same for a value. Out of reach are: a position, a speed, a torque, a current, the
 ///         active mode (6061h), and a statusword that has no fault, is in Operation enabled, has
-///         reached a target, or has bit 12 of the mode. Not out of reach are: objects that another
-///         program may write, such as 6081h, and effects of a reset, the supply or an input.
+///         reached a target, or has bit 12 set. Within reach are objects that another program may
+///         write, such as 6081h, and effects of a reset, the supply or an input.
 bool is_out_of_reach_in_fault(const Expectation& expectation) {
   using namespace literals;
   const auto row = expectation.object.row();
@@ -313,7 +313,8 @@ Outcome ExpectationJudge::ended_by_fault(const ValueObserver& observer,
                          expectation.object.text + " " + expected_text(expectation));
 }
 
-/// Another program could have written the value even in Fault.
+/// The axis may be in Fault here: that does not end the wait for a value that another program could
+/// still write.
 Outcome ExpectationJudge::late(const ValueObserver& observer, const Expectation& expectation,
                                const FaultWatch& fault) {
   const client::AxisSnapshot& axis = observer.shown();

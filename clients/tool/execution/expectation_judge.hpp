@@ -17,8 +17,8 @@ namespace vdrive::tool {
 class FaultWatch;
 class ValueObserver;
 
-/// Compares the status of axes with expectations, from the tick on in which the writes of earlier
-/// commands are in force.
+/// Compares the status of axes with expectations, starting with the tick in which the writes of
+/// earlier commands take effect.
 class ExpectationJudge {
  public:
   explicit ExpectationJudge(client::Session& session) : session_(session) {}
@@ -54,7 +54,7 @@ class ExpectationJudge {
                          const Expectation& expectation);
   client::Outcome ended_by_fault(const ValueObserver& observer, const Expectation& expectation,
                                  const FaultWatch& fault);
-  /// At the end of `within`. Also names a fault of the axis.
+  /// @return the outcome if `within` has passed; it also names a fault of the axis.
   client::Outcome late(const ValueObserver& observer, const Expectation& expectation,
                        const FaultWatch& fault);
   client::Outcome throughout(ValueObserver& observer, const client::BenchInfo& bench,

@@ -45,7 +45,7 @@ struct FailedCommand {
   bool is_private;                   ///< its bench, with the events, ends with this program
 };
 
-/// @return whether the value differed from the expected one; not if a wait has reached its limit.
+/// @return whether the value differed from the expected one; false if a wait reached its limit.
 bool is_other_value(const Outcome& outcome, const std::optional<Json>& found) {
   return found && found->contains("expected") && outcome.kind() != OutcomeKind::timed_out;
 }

@@ -248,7 +248,7 @@ bool Recorder::is_silent(std::uint32_t bench) {
          Clock::now() - since->second >= client::SessionOptions().silence;
 }
 
-/// The network may be down, or the service may hang: it may send again.
+/// Waits, because the bench may send again: perhaps the network is down, or the service hangs.
 Outcome Recorder::wait_for(Track& track) {
   const std::string bench = "bench " + std::to_string(track.bench);
   {

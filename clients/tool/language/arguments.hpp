@@ -68,7 +68,7 @@ class Arguments {
   Argument positional(const std::string& name, std::vector<std::string>& texts,
                       const std::string& help);
 
-  /// A required one. @param read converts the text into the field's value
+  /// A required positional argument. @param read converts the text into the field's value
   template <typename Field, typename Read>
   Argument positional(const std::string& name, Field& field, const std::string& help, Read read) {
     std::string& text = texts_.emplace_back();
@@ -78,7 +78,7 @@ class Arguments {
     return positional(name, text, help).required();
   }
 
-  /// If it is absent, the field keeps its value.
+  /// An optional positional argument: without it, the field keeps its value.
   template <typename Field, typename Read>
   Argument optional_positional(const std::string& name, Field& field, const std::string& help,
                                Read read) {
@@ -103,7 +103,7 @@ class Arguments {
   Argument option(const std::string& name, const std::string& type, std::string& text,
                   const std::string& help);
 
-  /// May be given several times, with one value each.
+  /// An option that may be given several times, with one value each.
   Argument option(const std::string& name, const std::string& type, std::vector<std::string>& texts,
                   const std::string& help);
 

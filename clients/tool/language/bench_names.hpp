@@ -9,7 +9,7 @@
 
 namespace vdrive::tool {
 
-/// Names that must be asked from the benches. Called only when such a word is completed.
+/// Names that only the benches know. The functions are called only to complete such a name.
 struct BenchNames {
   std::function<std::vector<std::string>()> axes;
   std::function<std::vector<std::string>()> benches;

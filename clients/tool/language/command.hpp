@@ -90,14 +90,15 @@ struct CommandRow {
   void (*check_objects)(const std::any& arguments) = nullptr;
 
   /// Checks the values once the axis is known, before anything moves.
-  /// @throws UsageError for a unit that the axis does not have, and for a value out of range in it.
+  /// @throws UsageError for a unit that the axis does not have, and for a value that is out of
+  ///         range after conversion from its unit.
   void (*check_units)(const std::any& arguments, const CommandContext& context,
                       const client::Axis& axis) = nullptr;
 
   /// Executes the command in a session.
   client::Outcome (*run)(const std::any& arguments, CommandContext& context) = nullptr;
 
-  /// Executes it on the command line if it needs no session, or its own.
+  /// Executes a command of the command line that needs no session or opens its own.
   ExitCode (*start)(const std::any& arguments, const Program& program) = nullptr;
 };
 

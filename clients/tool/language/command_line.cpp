@@ -193,7 +193,7 @@ std::vector<std::string> names_of_commands(const CLI::App& app) {
 }
 
 /// @return what is wrong with arguments that nothing takes: names the first option among them, or
-///         else the first one. CLI11 lists them in reverse order.
+///         else the first one. The message of CLI11 lists them in reverse order.
 std::string unexpected_text(const CLI::App& app) {
   const std::vector<std::string> extras = app.remaining(true);
   const auto chosen = app.get_subcommands();
@@ -342,7 +342,8 @@ class CommandLine {
     app_.set_version_flag("--version", wire::program_version("vdrive"));
   }
 
-  /// May appear several times, with one value each, because the next argument may be the command.
+  /// The option may be repeated, but takes one value each time: the next argument may be the
+  /// command.
   CLI::Option* add_addresses(const char* name, std::vector<std::string>& values, const char* help,
                              const char* type) {
     network_.push_back(

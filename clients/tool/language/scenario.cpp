@@ -80,7 +80,7 @@ void refuse_longer(std::string_view line) {
                    " bytes, which is the limit");
 }
 
-/// Not checked if a refusal is expected, which may be about an object that does not exist.
+/// Skipped if a refusal is expected: its reason may be that the object does not exist.
 void check_objects(const Command& command) {
   if (command.refusal || command.row->check_objects == nullptr) return;
   command.row->check_objects(command.arguments);

@@ -40,15 +40,15 @@ enum class Mistake : std::uint8_t {
 
 /// Splits a line at blanks. A # outside of quotes starts a comment; single and double quotes keep
 /// blanks and # in a word.
-/// @throws UsageError for an unclosed quote, and beyond the limits of a line.
+/// @throws UsageError for an unclosed quote, and for a line beyond the limits.
 [[nodiscard]] std::vector<std::string> split_words(std::string_view line);
 
 /// Reads a complete scenario before any of it is executed.
 /// @param commands those allowed in its lines
 /// @param file its name, for messages
 /// @param settings values of variables, from settings_of()
-/// @throws UsageError with one line per mistake, starting with file:line; also beyond the limits of
-///         line and file, and for a file without a command, or without one above finally.
+/// @throws UsageError with one line per mistake, starting with file:line; also for a line or file
+///         beyond the limits, and for a file without a command, or without one above finally.
 [[nodiscard]] Scenario parse_scenario(CommandTable commands, std::istream& input,
                                       const std::string& file,
                                       const Variables::Values& settings = {});

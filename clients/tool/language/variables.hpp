@@ -13,13 +13,13 @@ namespace vdrive::tool {
 // Limits of a scenario, so that a mistake, or a file of another kind, is found before it takes much
 // memory or time. The longest sensible line names some thousand axes.
 
-/// [bytes] of a line, also with its variables replaced.
+/// Longest line [bytes], before and after its variables are replaced.
 inline constexpr std::size_t kLongestLine = std::size_t{32} << 10U;
 
-/// Words of a line.
+/// Most words in a line.
 inline constexpr std::size_t kMostWords = 4'096;
 
-/// [bytes] of a file, also with its variables replaced.
+/// Largest file [bytes], before and after its variables are replaced.
 inline constexpr std::size_t kLargestScenario = std::size_t{4} << 20U;
 
 /// The variables of one scenario: values from `--set` on the command line take precedence over

@@ -109,7 +109,7 @@ std::string units_or_nothing(const ObjectDescription& object) {
   return object.units == "-" ? std::string() : english_units(object);
 }
 
-/// Its texts are the columns of object_lines().
+/// The texts of the record are the columns of object_lines().
 Record differing_record(const client::ObjectReading& reading, const client::Unit& unit) {
   const ObjectRow row = *find_object(reading.object);
   const ObjectDescription& object = describe(row);

@@ -38,7 +38,7 @@ struct JunitSuite {
   std::vector<JunitCase> cases;
 };
 
-/// The part of all files that one of several runs takes.
+/// The part of the files that one of several runs executes.
 struct Shard {
   static constexpr std::size_t kMost = 100'000;  ///< the limit of an Indexed Job of Kubernetes
 

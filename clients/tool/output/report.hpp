@@ -34,8 +34,8 @@ struct AxisLabel {
 [[nodiscard]] std::string status_line(const client::AxisSnapshot& axis, const std::string& label,
                                       const client::Unit& unit);
 
-/// As status_line(), at the end of a motion: without the speed, because only a remainder within the
-/// window is left of it.
+/// As status_line(), at the end of a motion: without the speed, which has dropped to a remainder
+/// within the window.
 [[nodiscard]] std::string arrival_line(const client::AxisSnapshot& axis, const std::string& label,
                                        const client::Unit& unit);
 

@@ -146,7 +146,7 @@ bool is_faulted(const WatchedAxis& watched) {
   return is_fault(watched.axis.state());
 }
 
-/// The last row if the terminal has no room for these axes.
+/// The last row, with the number of axes that the terminal has no room for.
 LiveLine left_out(std::size_t count, std::size_t faults, std::size_t width) {
   const std::string text = "... " + counted(count, "more axis", "more axes");
   if (faults == 0) return {clipped(text, width), std::nullopt};

@@ -41,8 +41,8 @@ struct PrivateBenches {
   /// Declares --journal.
   void declare_journal(Arguments& arguments);
 
-  /// @throws UsageError for an option that such a bench does not have, an unusable configuration,
-  ///         or a missing service.
+  /// @throws UsageError for an option that a private bench does not have, an unusable
+  ///         configuration, or a missing service.
   void check(const GlobalOptions& options) const;
 
   /// @return the command-line arguments for these benches.

@@ -36,7 +36,7 @@ std::vector<std::string> command_of_process(const std::vector<std::string>& word
     command.insert(command.end(), {"--security", options.security});
   }
   for (const auto& [name, value] : settings_of(scenarios.settings)) {
-    // Only its own variables: others would be unknown in that process.
+    // Only the variables of this file: the process would not know any others.
     if (scenario.variables.contains(name)) {
       command.emplace_back("--set");
       command.emplace_back(name).append("=").append(value);

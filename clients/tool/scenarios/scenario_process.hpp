@@ -40,7 +40,7 @@ class FileResults {
   process::Descriptor file_;
 };
 
-/// How such a process has ended.
+/// How the process of one file has ended.
 struct FileEnd {
   /// The state of standard output.
   enum class Stream : std::uint8_t { open, closed_by_reader, failed };

@@ -43,7 +43,7 @@ Outcome report_all(std::size_t passed, std::size_t all, bool is_json, Terminal& 
 }
 
 /// Finds the axes and benches of scenarios. Searches only once for a missing one, because a search
-/// without a result takes its full time.
+/// that finds nothing lasts until its time-out.
 class AxisSearch {
  public:
   explicit AxisSearch(client::Session& session) : session_(session) {}
@@ -177,7 +177,7 @@ class ScenarioRun {
     return cases_.emplace_back(JunitCase{.name = name_of_line(line), .line = line.number});
   }
 
-  /// Executes each of them, even after an interrupt, because they clean up.
+  /// Executes all final lines, even after a failure or an interrupt, because they clean up.
   Outcome run_final_lines() {
     Outcome outcome;
     for (const ScenarioLine& line : scenario_.lines) {
@@ -282,8 +282,7 @@ class ScenarioRun {
   bool was_interrupted_ = false;
 };
 
-/// @return the suites of a report without any judgement, because axes of some scenarios are
-///         missing.
+/// @return the suites of a report if axes of some scenarios are missing, so that none was executed.
 /// @param found one outcome per scenario, in the same order
 std::vector<JunitSuite> suites_without_axes(const std::vector<Scenario>& scenarios,
                                             const std::vector<Outcome>& found) {
@@ -404,7 +403,7 @@ class ScenariosApart {
     }
   }
 
-  /// The process itself reports its end.
+  /// Runs a scenario in a process, which reports the end itself unless it ends prematurely.
   ScenarioVerdict run_process(const Scenario& scenario, const std::vector<std::string>& process) {
     process::ChildProcess run(process, {}, {.input = scenario.source, .are_shared = true});
     interrupt_.arm([&run] {

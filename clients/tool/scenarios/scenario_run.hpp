@@ -25,9 +25,8 @@ struct RunOptions {
   FileResults* results = nullptr;  ///< receives the result of each line; may be nullptr
 };
 
-/// Executes scenarios one after the other, each until its first failure followed by its final
-/// lines, and writes the report. After a failure the next file is executed, after an interrupt it
-/// is not.
+/// Executes scenarios one after the other, each up to its first failure and then its final lines,
+/// and writes the report. A failure does not prevent the next file from running; an interrupt does.
 /// @return not_found before anything is executed if an axis is missing; otherwise the failure with
 ///         file and line or, for several files, the number that passed, in which case the failures
 ///         are on standard error.

@@ -31,7 +31,7 @@ JunitCase skipped_case(const std::string& name) {
   return test;
 }
 
-/// @return the type of an error, which the merging of reports evaluates.
+/// @return the type of an error, which `vdrive test --merge` evaluates.
 std::string type_of(int code) {
   switch (static_cast<ExitCode>(code)) {
     case ExitCode::usage:

@@ -50,7 +50,7 @@ struct EndedRun {
   std::string errors;
 };
 
-/// @return the verdict before the scenario starts, also final if it never does.
+/// @return the verdict before the scenario starts, which remains if it never does.
 [[nodiscard]] ScenarioVerdict not_started(const Scenario& scenario);
 
 /// @return the verdict of a scenario of which no line was executed.

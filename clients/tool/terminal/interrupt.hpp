@@ -29,7 +29,7 @@ class Interrupt {
   /// Calls `action` before a second signal ends the process. Must be called before arm().
   void before_exit(std::function<void()> action);
 
-  /// No call is made from here on.
+  /// Once this has returned, no action is called.
   void disarm();
 
   [[nodiscard]] bool happened() const noexcept { return happened_; }

@@ -62,7 +62,7 @@ std::size_t usable_width(const TerminalSize& size) {
   return size.columns - 1;
 }
 
-/// At most `rows` lines.
+/// @return at most `rows` lines; if some are omitted, the last one has their number.
 std::vector<LiveLine> fitting(const std::vector<LiveLine>& lines, std::size_t rows) {
   if (lines.size() <= rows) return lines;
   const std::size_t shown = std::max<std::size_t>(rows, 1) - 1;

@@ -13,7 +13,7 @@
 
 namespace vdrive::tool {
 
-/// The required relation of the actual value to the expected one.
+/// How the actual value must compare with the expected one.
 enum class Comparison : std::uint8_t { equal, not_equal, less, at_most, more, at_least };
 
 /// The expected value of an object of an axis.

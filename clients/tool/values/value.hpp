@@ -48,7 +48,7 @@ struct ObjectName {
 /// @throws UsageError with text and limits if it is not an integer or out of the range of `type`.
 [[nodiscard]] std::int64_t parse_value(std::string_view text, DataType type);
 
-/// The value of an object: by its type, or any 32-bit number if the object does not exist.
+/// As above, by the type of an object, or as any 32-bit number if the object does not exist.
 [[nodiscard]] std::int64_t parse_value(std::string_view text, const ObjectName& object);
 
 /// @return a value for output: words in hex and decimal, and a position, speed, ramp or jerk also

@@ -16,7 +16,7 @@ inline constexpr bool kChecksInvariants = false;
                                          unsigned line) noexcept;
 
 /// Checks an invariant of our own code whose violation would do harm. Bad input from outside is not
-/// a bug and has its own errors.
+/// a bug and is reported as an error.
 /// @param invariant the condition that holds, as a sentence: "the index is inside the table"
 constexpr void ensure(bool holds, const char* invariant, const char* file = __builtin_FILE(),
                       unsigned line = __builtin_LINE()) noexcept {

@@ -72,7 +72,7 @@ class AxisBank {
   /// Advances all axes by one tick.
   void step() noexcept;
 
-  /// Axes are divided into independent groups of equal cost. Different groups may be stepped
+  /// Axes are divided into independent groups of similar cost. Different groups may be stepped
   /// concurrently by several threads. A tick is complete when every group has been stepped once.
   [[nodiscard]] std::size_t group_count() const noexcept;
   void step_groups(std::size_t first, std::size_t last) noexcept;

@@ -40,7 +40,7 @@ struct AxisConfiguration {
 
   /// Values that the axis stored with 1010h in an earlier run; see AxisBank::set_stored.
   std::vector<InitialValue> stored{};
-  /// The stored values are unusable: fault 5530h at every power-up until something is stored again.
+  /// The stored values are unusable: fault 5530h at every power-up until AxisBank::forget_stored.
   bool memory_error = false;
 };
 

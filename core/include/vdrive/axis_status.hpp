@@ -87,8 +87,8 @@ struct StatusMember {
   DataType data_type = DataType::integer32;  ///< of the member
   bool is_published = false;                 ///< whether the status on the network contains it
   std::int64_t (*value)(const AxisStatus& status) noexcept = nullptr;
-  /// The member can hold every value of its object; a `value` beyond the range of the member is
-  /// truncated.
+  /// Sets the member, which can hold every value that its object takes; a `value` beyond the range
+  /// of the member is truncated.
   void (*set)(AxisStatus& status, std::int64_t value) noexcept = nullptr;
 };
 

@@ -9,7 +9,7 @@
 
 namespace vdrive {
 
-/// The way in which a full queue handles one more item.
+/// How a full queue handles a new item.
 enum class WhenFull : std::uint8_t {
   drops_oldest,   ///< drops the oldest item to make room
   refuses_newest  ///< refuses the new item; put() returns false

@@ -8,10 +8,10 @@
 
 namespace vdrive {
 
-/// The means by which the drive time of a bench advances.
+/// How the drive time of a bench advances.
 enum class ClockMode : std::uint8_t {
-  realtime,  ///< the wall clock
-  lockstep,  ///< `step` requests
+  realtime,  ///< with the wall clock
+  lockstep,  ///< by `step` requests
   freerun,   ///< each tick follows the previous one immediately
 };
 

@@ -13,7 +13,7 @@
 
 namespace vdrive {
 
-/// @return the number if all of `text` is its digits, otherwise nothing.
+/// @return the number if `text` consists of its digits only, otherwise nothing.
 /// @param base 10 or 16; a prefix is not accepted
 template <std::integral Number>
 [[nodiscard]] std::optional<Number> parse_digits(std::string_view text, int base = 10) noexcept {
@@ -37,7 +37,7 @@ template <std::integral Number>
 /// @return whether `text` begins with 0x.
 [[nodiscard]] bool has_hex_prefix(std::string_view text) noexcept;
 
-/// How a text reads as a whole number.
+/// Whether a text is a whole number and, if not, why.
 enum class IntegerKind : std::uint8_t {
   whole,
   fraction,   ///< a number such as 12.5
@@ -48,7 +48,7 @@ enum class IntegerKind : std::uint8_t {
 /// The result of reading a text as a whole number.
 struct IntegerReading {
   IntegerKind kind = IntegerKind::no_number;
-  std::int64_t value = 0;  ///< if it is whole
+  std::int64_t value = 0;  ///< if `kind` is whole
 };
 
 /// Reads a whole number exactly: 1e6 and 2.0 are whole, 12.5 is not.

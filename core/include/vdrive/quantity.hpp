@@ -13,7 +13,7 @@
 namespace vdrive {
 
 /// Positions, speeds, accelerations and jerks as people write and read them: in user units (UU) or
-/// in a unit of an axis.
+/// in a unit of the axis.
 
 /// The dimension of a quantity.
 enum class Dimension : std::uint8_t { position, velocity, acceleration, jerk };

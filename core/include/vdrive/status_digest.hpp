@@ -11,9 +11,9 @@
 namespace vdrive {
 
 /// Check values over the status images of a bank, the same on every machine. The axes are divided
-/// into rows. If one member of one axis differs, `image` and the entry of the member in `members`
-/// always change, and so does the check value of the row of the axis, except once in 2^32 cases.
-/// Member and row together locate the difference.
+/// into rows. If one member of one axis differs, `image` and the member's entry in `members` always
+/// change; the check value of the axis's row changes too, except in one of 2^32 cases. Member and
+/// row together locate the difference.
 struct StatusDigest {
   std::uint64_t image = 0;                              ///< over everything, in axis order
   std::array<std::uint32_t, kStatusMembers> members{};  ///< each over all axes

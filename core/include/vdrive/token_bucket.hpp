@@ -63,7 +63,7 @@ class CountingLimit {
     return std::exchange(left_out_, 0);
   }
 
-  /// Counts a report that the caller left out for a reason of its own.
+  /// Counts a report that the caller left out for its own reason.
   void leave_out() noexcept { ++left_out_; }
 
   /// @return how many reports were left out since the last one that passed.

@@ -39,8 +39,8 @@ struct Unit {
 }
 
 /// @return what is wrong with the name of a unit of that kind, or nothing for a valid one. The name
-///         of a length has 1 to kMaxUnitNameLength bytes of UTF-8, with only letters and % from
-///         ASCII, and is not UU, deg, rad, rev or rpm.
+///         of a length has 1 to kMaxUnitNameLength bytes of UTF-8, in which ASCII characters are
+///         letters or %, and is not UU, deg, rad, rev or rpm.
 [[nodiscard]] std::optional<std::string> check_unit_name(UnitKind kind, std::string_view name);
 
 /// @return whether name and size are within their limits, to check units sent by another program.

@@ -42,8 +42,8 @@ struct Batch {
   std::array<std::size_t, kInterleavedBlocks> blocks{};
 };
 
-/// A tick that leaves every bit of a block unchanged would do so again. Further ticks are skipped
-/// until something is written to an axis of the block.
+/// After a tick that left every bit of a block unchanged, the next one would do the same. Further
+/// ticks are skipped until something is written to an axis of the block.
 struct Settled {
   std::uint64_t is_settled = 0;  // 0 or 1
   std::uint64_t ticks = 0;       // skipped so far; they count as time on the target
@@ -112,8 +112,9 @@ struct AxisBank::State {
   /// order. Data derived from the configuration is left out.
   template <typename Visit>
   void for_each_part(Visit visit);
-  /// Whether every index is within its pool, its table of modes or homing methods, the segments of
-  /// a plan or the lanes of a block. Checks state that was read from a file.
+  /// Checks state that was read from a file.
+  /// @return whether every index is in range: of a pool, the modes, the homing methods, the
+  ///         segments of a plan or the lanes of a block.
   [[nodiscard]] bool is_sound() const;
 
   // bank_blocks.cpp: assigns axes to lanes of blocks
@@ -149,7 +150,7 @@ struct AxisBank::State {
 
   // bank_step.cpp: one tick
 
-  /// Makes the next tick of a block be computed again.
+  /// Makes a settled block compute its next tick again.
   void end_settled(std::size_t block);
 
   /// Makes the next step run the full tick for these lanes of a block.

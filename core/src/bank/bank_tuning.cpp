@@ -19,7 +19,7 @@ Gear gear_of(const DriveRegisters& registers) {
           static_cast<std::uint32_t>(registers.values["gear_ratio_denominator"_object])};
 }
 
-/// 60E0h or 60E1h with 6072h [N.m].
+/// The torque limit [N.m] from 6072h and `relative`, which is 60E0h or 60E1h.
 double torque_limit_of(const DriveRegisters& registers, const AxisModel& model,
                        ObjectRow relative) {
   const auto value = [&registers](ObjectRow row) {

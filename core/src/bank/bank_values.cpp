@@ -44,7 +44,7 @@ void AxisBank::State::start_axis(std::size_t axis) {
       configurations[axis].model.feedback == Feedback::single_encoder;
   fill_memory(axis);
   power_up(drive, true);
-  show(drive);  // shows feedback that may be frozen from here on
+  show(drive);  // before an initial value can freeze the feedback (5E0Ch)
   if (const InitialValue* const refused = set_initial_values(axis)) {
     refuse(axis, configurations.size(), "initial", *refused);
   }

@@ -27,8 +27,8 @@ AbortCode ParameterMemory::keep(ObjectAddress object, std::int64_t value) noexce
   return code;
 }
 
-/// A value that this version refuses, for example because a limit became narrower, keeps its
-/// initial value.
+/// An object whose stored value this version refuses, for example because a limit became narrower,
+/// keeps its initial value.
 void ParameterMemory::load_into(Drive& drive) const noexcept {
   for (std::size_t position = 0; position < kStoredCount; ++position) {
     if (present[position]) {

@@ -21,7 +21,7 @@ bool alike(const Numbers& a, const Numbers& b) {
 }
 
 /// Parameters of the blocks of one kind. Most axes of a bank are alike, so equal blocks share one
-/// set until one of their axes changes; this keeps the sets in the nearest cache.
+/// set until one of their axes changes; this keeps the sets in the L1 cache.
 template <typename Parameters>
 struct ParameterPool {
   std::vector<Parameters> sets;       // initial sets, then one slot per block of this kind

@@ -46,14 +46,14 @@ BitName find_names(std::uint16_t bit, std::span<const BitName> names) {
   return found == names.end() ? BitName{} : *found;
 }
 
-/// A name of the mode takes precedence over one of all modes.
+/// A name specific to the mode takes precedence over the common one.
 BitName names_of(std::uint16_t bit, std::span<const BitName> of_mode,
                  std::span<const BitName> of_all) {
   const BitName names = find_names(bit, of_mode);
   return names.name.empty() ? find_names(bit, of_all) : names;
 }
 
-/// A mode without a row has no bits of its own.
+/// For a mode without a row: it has no specific bits.
 constexpr OperatingModeRow kUnknownMode{};
 
 const OperatingModeRow& row_of(OperatingMode mode) {

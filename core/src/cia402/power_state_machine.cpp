@@ -13,7 +13,7 @@ using enum PowerState;
 constexpr std::size_t kStateCount = 8;
 constexpr std::size_t kCommandCount = 7;
 
-/// Target of each transition, by number. 13 can start in any state.
+/// Target of each transition, by number. 13 can start in any state without a fault.
 constexpr std::array<PowerState, 17> kTargets{
     not_ready_to_switch_on,  // 0
     switch_on_disabled,      // 1

@@ -13,7 +13,7 @@ struct StateRow {
   PowerState state;
   std::uint16_t mask;
   std::uint16_t value;        // of the masked statusword
-  std::uint16_t status_bits;  // as shown by the drive: bit 5 only if the quick stop is released
+  std::uint16_t status_bits;  // as the drive shows them; see statusword_of
   std::string_view name;
 };
 

@@ -26,7 +26,7 @@ std::optional<std::uint8_t> parse_subindex(std::string_view text) noexcept {
                               : parse_digits<std::uint8_t>(text);
 }
 
-/// @return a text such as "607Dh has the sub-indices 1 and 2".
+/// @return a text such as "607Dh has sub-indices 1 and 2".
 std::string subindices_text(std::uint16_t index) {
   std::vector<std::string> numbers;
   for (const ObjectDescription& row : kObjectTable) {

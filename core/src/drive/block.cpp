@@ -9,7 +9,7 @@
 namespace vdrive {
 namespace {
 
-/// Lane l of a set.
+/// The bit of each lane in a set of lanes.
 constexpr std::array<std::uint64_t, kLanes> kBits{1, 2, 4, 8, 16, 32, 64, 128};
 
 /// @return whether the axis in lane `l` is inside its target window.

@@ -10,8 +10,8 @@
 
 namespace vdrive {
 
-// Operations of a tick on all lanes of a block at the same time. A set of lanes is a number: bit l
-// = lane l.
+// Operations of a tick on all lanes of a block at the same time. A set of lanes is a bit mask: bit
+// l stands for lane l.
 
 /// @return the lanes whose position is further from 0 than `kFrame`.
 [[nodiscard]] std::uint64_t lanes_out_of_frame(const DemandBlock& demand) noexcept;
@@ -50,7 +50,6 @@ struct alignas(64) NumberBlock {
   Row torque_demand;
 };
 
-/// Rounds the numbers of a block.
 void round_numbers(const BlockState& block, NumberBlock& numbers) noexcept;
 
 /// Copies the numbers of lane `l` into the status image.

@@ -25,7 +25,7 @@ void take_command(Drive& drive, PowerCommand command) {
                                                  cause_present(drive)));
 }
 
-/// Takes the transitions to Switched on that Enable operation may take now.
+/// Takes the transitions to Switched on that Enable operation allows in the present state.
 /// @return whether the drive is then in Switched on; if not, the command is handled as usual.
 bool switches_on(Drive& drive) {
   const bool is_disabled = state_of(drive) == PowerState::switch_on_disabled;
@@ -38,9 +38,9 @@ bool switches_on(Drive& drive) {
   return state_of(drive) == PowerState::switched_on;
 }
 
-/// 5E20h:07. Enable operation takes the drive to Switched on and, after a time, to Operation
-/// enabled.
-/// @return whether that time runs now.
+/// 5E20h:07. Enable operation takes the drive to Switched on immediately and to Operation enabled
+/// after a delay.
+/// @return whether the delay is running.
 bool begins_power_on(Drive& drive) {
   if (!switches_on(drive)) return false;
   HabitWaits& waits = drive.registers().waits;
@@ -48,8 +48,8 @@ bool begins_power_on(Drive& drive) {
   return true;
 }
 
-/// 5E20h:09. A reset that is pending is not started again.
-/// @return whether the drive resets later.
+/// 5E20h:09. A pending reset is not restarted.
+/// @return whether the reset is delayed.
 bool begins_reset(Drive& drive) {
   if (state_of(drive) != PowerState::fault) return false;
   HabitWaits& waits = drive.registers().waits;
@@ -91,7 +91,7 @@ void obey(Drive& drive, std::uint16_t word) {
   s.attention = true;
 }
 
-/// @return whether `next`, written over a word that was never read, hides an edge of bit 4.
+/// @return whether overwriting the unread word `waiting` with `next` hides an edge of bit 4.
 bool hides_edge(std::uint16_t in_force, std::uint16_t waiting, std::uint16_t next) {
   const unsigned came_and_went = waiting & ~unsigned{in_force} & ~unsigned{next};
   const unsigned went_and_came = in_force & ~unsigned{waiting} & unsigned{next};
@@ -105,8 +105,8 @@ void execute_waiting(Drive& drive) {
   obey(drive, waits.word);
 }
 
-/// 5E20h:06. Only the last word before a read counts. An edge that no read sees is counted as one
-/// that was not accepted, so that a test notices the loss.
+/// 5E20h:06. Only the last word before a read counts. An edge of bit 4 that no read sees is counted
+/// as not accepted, so that a test notices the loss.
 void defer_word(Drive& drive, std::uint16_t word) {
   DriveState& s = drive.state();
   HabitWaits& waits = drive.registers().waits;
@@ -117,7 +117,7 @@ void defer_word(Drive& drive, std::uint16_t word) {
   s.attention = true;
 }
 
-/// @return whether the drive reads 6040h in this tick; always once the habit is off.
+/// @return whether the drive reads 6040h in this tick; always true when the habit is off.
 bool looks(Drive& drive) {
   const std::uint32_t loop = drive.registers().habits.loop;
   HabitWaits& waits = drive.registers().waits;
@@ -127,7 +127,8 @@ bool looks(Drive& drive) {
   return waits.look == 0;
 }
 
-/// Counts the present tick. @return whether the wait ends with it.
+/// Counts down a wait by the present tick.
+/// @return whether it ends in this tick.
 bool has_ended(std::uint32_t& wait) {
   if (wait == 0) return false;
   --wait;

@@ -7,7 +7,7 @@
 
 namespace vdrive {
 
-// Controlwords 6040h: their immediate effect, and the later effect for a drive with a habit
+// Effect of a written controlword 6040h: immediate, or delayed on a drive with a habit
 // (drive/habits.hpp).
 
 /// Command: 6040h was written. Runs the power state machine and the active mode once, or leaves the

@@ -55,7 +55,7 @@ void finish_motion(Drive& drive) {
   }
 }
 
-/// Sets the demand at `time` of the segment in force.
+/// Sets the demand to the segment in force at `time` [s] since the plan.
 void sample_segment(Drive& drive, double time) {
   DemandBlock& demand = drive.demand();
   const std::size_t l = drive.lane();
@@ -88,7 +88,7 @@ void advance_profile(Drive& drive) {
   }
 }
 
-/// Makes another loop the outermost one, starting from the present motion of the axis.
+/// Switches to another outermost loop, starting from the present motion of the axis.
 void switch_control(Drive& drive, ControlLoop control) {
   DriveState& s = drive.state();
   if (control == s.demand.control) return;
@@ -129,8 +129,8 @@ void start_ramp(Drive& drive, const MotionRequest& request) {
   if (std::abs(s.demand.torque) > std::abs(commanded) + step) s.demand.torque = commanded;
 }
 
-/// Changes the commanded torque from the torque demand by `change` within a tick, in equal
-/// sub-steps.
+/// Changes the commanded torque by `change` over a tick, starting from the torque demand, in equal
+/// steps per sub-step.
 void step_torque(Drive& drive, double change) {
   const std::size_t l = drive.lane();
   const double unit = drive.block().units.torque_per_mille[l];
@@ -138,7 +138,6 @@ void step_torque(Drive& drive, double change) {
   drive.servo().torque_step[l] = change / unit / drive.timing().substeps;
 }
 
-/// One tick of the torque ramp.
 void ramp_torque(Drive& drive, const MotionRequest& request) {
   DriveState& s = drive.state();
   const double most = request.limits.acceleration * drive.timing().period_us * 1.0e-6;
@@ -171,7 +170,8 @@ void follow_target(Drive& drive, const MotionRequest& request) {
   s.target.position = step == distance ? request.target : start + step;
 }
 
-/// One tick to the streamed velocity, within the speed limit, at constant acceleration.
+/// Moves the demand to the streamed velocity in one tick, at constant acceleration and within the
+/// speed limit.
 void follow_velocity(Drive& drive, const MotionRequest& request) {
   const double most = request.limits.velocity;
   const double start = demand_velocity(drive);
@@ -184,7 +184,7 @@ void follow_velocity(Drive& drive, const MotionRequest& request) {
   drive.state().demand.moving = start != 0.0 || end != 0.0;
 }
 
-/// One tick to the streamed torque.
+/// Moves the demand to the streamed torque in one tick.
 void follow_torque(Drive& drive, const MotionRequest& request) {
   DriveState& s = drive.state();
   const double change = request.target - s.demand.torque;
@@ -285,7 +285,7 @@ void plan(Drive& drive, const MotionRequest& request) {
   } else if (request.kind == Kind::follow) {
     follow_stream(drive, request);
   } else if (request.kind != Kind::hold && !same) {
-    // Without power (hold) the demand follows the actual position.
+    // hold = no power: the demand follows the actual position without a plan.
     start_motion(drive, request);
   }
 }

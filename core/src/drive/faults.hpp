@@ -36,12 +36,12 @@ inline constexpr std::array<FaultCause, 4> kFaultCauses = [] {
 /// The motor has become too hot (I2t), a cause without an input.
 inline constexpr std::uint8_t kLoadLevelCause = 1U << 4U;
 
-/// Motor heat relative to the steady state at rated current 6075h: above the first value the drive
-/// warns, from the second one on it has a fault.
+/// Motor heat relative to the steady state at rated current 6075h: a warning above the first value,
+/// a fault from the second one on.
 inline constexpr double kWarningHeat = 1.0;
 inline constexpr double kFaultHeat = 1.1;
 
-/// Notes the heat of the motor at the end of a tick.
+/// Updates the load level from the heat of the motor at the end of a tick.
 /// @return whether the load level has changed.
 bool note_heat(Drive& drive, double heat);
 

@@ -118,8 +118,7 @@ std::int32_t shown_position(const Drive& drive, double position) {
 double shorter_way(const Drive& drive, double distance) {
   if (!is_modulo(drive)) return wrapped(distance);
   const double span = drive.registers().range.span;
-  // Computed backward, so that exactly half a range, an end of the interval, gives the positive
-  // way.
+  // Computed for the opposite direction, so that exactly half a range gives the positive way.
   const double back = -distance;
   return -(back - span * floor_of(back / span + 0.5));
 }

@@ -25,7 +25,7 @@ void put_segment(Drive& drive, const JerkSegment& segment);
 [[nodiscard]] double starting_acceleration(const Drive& drive, const MotionLimits& limits,
                                            const MotionJerk& jerk);
 
-/// Sets the demand at rest at `position` [UU].
+/// Puts the demand at rest at `position` [UU].
 void rest_at(Drive& drive, double position);
 
 /// Displacement of the origins of the position frames [UU].
@@ -38,9 +38,9 @@ struct FrameShift {
 /// Moves the origins of all positions by `shift`; the axis does not move.
 void shift_frame(Drive& drive, const FrameShift& shift);
 
-/// Keeps positions near the 32-bit range by taking out multiples of the register range. This is
-/// exact, and no position grows with the uptime. It invalidates the present plan. On a modulo axis
-/// it takes out multiples of the range 607Bh, after which the demand is inside the range.
+/// Keeps positions near the 32-bit range by subtracting multiples of the register range. This is
+/// exact, and positions do not grow with uptime. On a modulo axis it subtracts multiples of the
+/// range 607Bh, after which the demand is inside the range. The present plan becomes invalid.
 void rebase(Drive& drive);
 
 [[nodiscard]] inline bool is_modulo(const Drive& drive) {
@@ -51,8 +51,8 @@ void rebase(Drive& drive);
 ///         from 607Bh:01 up to but not including 607Bh:02.
 [[nodiscard]] std::int32_t shown_position(const Drive& drive, double position);
 
-/// @return the whole number `distance` [UU] by the shorter way round the register, or on a modulo
-///         axis round its range. If both ways are equal, a modulo axis takes the positive one.
+/// @return `distance`, a whole number [UU], by the shorter way round the register or, on a modulo
+///         axis, round its range. If both ways are equal, a modulo axis takes the positive one.
 [[nodiscard]] double shorter_way(const Drive& drive, double distance);
 
 }  // namespace vdrive

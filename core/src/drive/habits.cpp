@@ -27,7 +27,8 @@ ModeChangeRefusal mode_change_of(std::int64_t value) {
   return {.under_halt = (value & 1) != 0, .behind_switched_on = (value & 2) != 0};
 }
 
-/// @return whether the stricter reading allows writing 6060h: only without power.
+/// @return whether 6060h may be changed with 5E20h:05 = 2: before Operation enabled, without a
+///         fault.
 bool is_before_operation(PowerState state) {
   return state == PowerState::not_ready_to_switch_on || state == PowerState::switch_on_disabled ||
          state == PowerState::ready_to_switch_on || state == PowerState::switched_on;

@@ -9,13 +9,13 @@
 namespace vdrive {
 
 // Habits of other drives (5E20h): behaviour that differs where CiA 402 leaves it open, or
-// contradicts it. All code that depends on a habit asks here. All habits are off by default and
-// then cost one comparison per written word, transition or planned motion.
+// contradicts it. All habits are off by default and then cost one comparison per written word,
+// transition or planned motion.
 
 /// Command: converts 5E20h to the form used below, after it was written.
 void update_habits(Drive& drive) noexcept;
 
-/// Command: transition 4 was taken. 5E20h:01 and 5E20h:0E.
+/// Command, after transition 4: applies 5E20h:01 and 5E20h:0E.
 void begin_operation(Drive& drive);
 
 /// Command: records whether the next tick has to check something that is held back.
@@ -25,14 +25,14 @@ inline void note_waits(Drive& drive) {
                               waits.power_on != 0 || waits.mode != 0 || waits.reset != 0;
 }
 
-/// Command: starts to hold something back for `ticks`, not counting the next one.
+/// Command: starts to hold something back until `ticks` ticks after the next one.
 inline void begin_wait(Drive& drive, std::uint32_t& wait, std::uint32_t ticks) {
-  wait = ticks + 1U;  // the next tick counts as well
+  wait = ticks + 1U;  // the next tick counts down too
   drive.state().power.waits = true;
 }
 
-/// Command: the master is lost. Its commands that the drive has not carried out yet are dropped, so
-/// that they enable nothing.
+/// Command: the master is lost. Drops the commands that the drive has not carried out yet, so that
+/// they cannot enable it.
 inline void forget_commands(Drive& drive) {
   drive.registers().waits.power_on = 0;
   drive.registers().waits.has_word = false;
@@ -53,10 +53,11 @@ inline void forget_commands(Drive& drive) {
          drive.state().power.machine.state() == PowerState::quick_stop_active;
 }
 
-/// Question, 5E20h:05: whether 6060h refuses `wanted` now. Writing the present mode is no change.
+/// Question, 5E20h:05: whether writing `wanted` to 6060h is refused now. Writing the value that
+/// 6060h already has is no change.
 [[nodiscard]] bool refuses_mode_change(const Drive& drive, OperatingMode wanted);
 
-/// Question, 5E20h:08: whether 6061h does not follow 6060h yet.
+/// Question, 5E20h:08: whether 6061h has to wait before it follows 6060h.
 [[nodiscard]] inline bool holds_mode(const Drive& drive) {
   return drive.registers().waits.mode != 0;
 }

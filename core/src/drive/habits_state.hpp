@@ -11,7 +11,7 @@ namespace vdrive {
 /// The changes of 6060h that a drive refuses (5E20h:05).
 struct ModeChangeRefusal {
   bool under_halt = false;          // while bit 8 of 6040h is 1
-  bool behind_switched_on = false;  // in Operation enabled, stops and faults
+  bool behind_switched_on = false;  // in Operation enabled, during stops, in a fault
 };
 
 /// Habits of other drives, 5E20h, in the form that the code uses. By default the drive has none.
@@ -36,14 +36,14 @@ struct Habits {
   std::array<std::uint8_t, 4> unused{};
 };
 
-/// Actions that a habit holds back now. Counts are in ticks including the present one; 0 = nothing.
+/// Actions that a habit is holding back, each with its ticks left, the next one included; 0 = none.
 struct HabitWaits {
-  std::uint32_t look = 0;      // read of 6040h; counts in every tick
+  std::uint32_t look = 0;      // read of 6040h; starts again each time
   std::uint32_t power_on = 0;  // transition 4
   std::uint32_t mode = 0;      // 6061h
   std::uint32_t reset = 0;     // transition 15
   std::uint16_t word = 0;      // last written value of 6040h
-  bool has_word = false;       // it has not been read yet
+  bool has_word = false;       // `word` has not been read yet
   std::array<std::uint8_t, 5> unused{};
 };
 

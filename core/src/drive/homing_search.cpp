@@ -15,8 +15,8 @@ namespace {
 
 using namespace vdrive::literals;
 
-/// Following error [UU] from which a standing axis counts as being against a stop. Standstill and
-/// torque alone are no proof: an axis that starts under load has both.
+/// Following error [UU] from which a standing axis counts as pressing against a stop. Standstill
+/// and torque alone do not prove it: an axis that starts under load has both.
 constexpr double kLagAtStop = kUserUnitsPerRevolution / 64.0;
 
 void go_on(Drive& drive, HomingStage stage) {
@@ -32,8 +32,8 @@ bool home_switch_changes(Drive& drive, bool active) {
   return changes;
 }
 
-/// An edge passed while the axis still brakes is on the other side of the switch, or will be passed
-/// again. So edges count only once both demand and axis move in the direction of their stage.
+/// An edge passed while the axis is still braking is on the other side of the switch, or will be
+/// passed again. So edges count only once both demand and axis move in the direction of the stage.
 bool moves_as_commanded(Drive& drive, double direction) {
   HomingRun& run = drive.registers().homing;
   run.turned = run.turned || (direction * demand_velocity(drive) > 0.0 &&
@@ -41,9 +41,9 @@ bool moves_as_commanded(Drive& drive, double direction) {
   return run.turned;
 }
 
-/// The search has reached the home switch. Home is this edge if the axis reaches it in the approach
-/// direction.
-/// @return whether it is home.
+/// The search has reached the home switch. The edge is home if home is where the switch closes and
+/// the axis has reached it in the approach direction.
+/// @return whether the edge is home.
 bool find_home_switch(Drive& drive, bool edge) {
   const HomingMethodRow& method = homing_method_of(drive);
   const bool on_the_way = homing_direction(drive) == method.approach;
@@ -59,9 +59,9 @@ void reach_limit_switch(Drive& drive) {
   go_on(drive, turns ? HomingStage::seek_back : HomingStage::failed);
 }
 
-/// The axis stands from the first tick with a velocity within 606Fh for as long as its position
-/// changes by no more than that velocity covers in 5E18h:02. The velocity of a single tick is the
-/// difference of two readings and so too sensitive to noise.
+/// The axis stands from the first tick at or below 606Fh until it has moved farther than 606Fh
+/// times 5E18h:02. After the first tick the velocity does not count: as the difference of two
+/// readings it is too sensitive to noise.
 /// @return whether the axis stands.
 bool is_stationary(const Drive& drive) {
   constexpr double kSecondsAMillisecond = 1.0e-3;

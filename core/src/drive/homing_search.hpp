@@ -15,14 +15,15 @@ namespace vdrive {
 /// @return direction of travel of the present stage: +1, -1, or 0.
 [[nodiscard]] double homing_direction(const Drive& drive);
 
-/// @return whether the present stage travels at 6099h:01 to find or leave a switch or a stop. Home
-///         itself is approached at 6099h:02.
+/// @return whether `stage` travels at 6099h:01 to find or leave a switch or a stop. Home itself is
+///         approached at 6099h:02.
 [[nodiscard]] bool searches_at_speed(HomingStage stage);
 
-/// @return the first stage of a run by `method`, one that travels, given the present switch states.
+/// @return the first stage of a run by `method`, which must travel, given the present switch
+///         states.
 [[nodiscard]] HomingStage first_homing_stage(const Drive& drive, const HomingMethodRow& method);
 
-/// Forgets the previous run. The first edge of the home switch is a change from its present state.
+/// Forgets the previous run. Edges of the home switch count from its present state.
 void begin_homing_search(Drive& drive);
 
 /// Stage `leave`: the axis leaves the limit switch of the method, or meets the other one (failed).

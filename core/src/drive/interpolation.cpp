@@ -18,7 +18,7 @@ using namespace vdrive::literals;
 
 constexpr std::int64_t kLowestTimeIndex = -6;  // of 60C2h:02
 
-/// [us] by 60C2h:02, from its lowest value to 0.
+/// The unit of 60C2h:01 [us] for each value of 60C2h:02, from the lowest to 0.
 constexpr std::array<std::int64_t, 7> kInterpolationUnits{1,      10,      100,      1'000,
                                                           10'000, 100'000, 1'000'000};
 
@@ -36,7 +36,7 @@ std::uint32_t interpolation_ticks(const Drive& drive) {
   return ticks_of_us(drive, unit * unsigned_reg(drive, "interpolation_time_period"_object));
 }
 
-/// @return the number of successive missing set-points; one is due 60C2h after the previous.
+/// @return the number of successive set-points that are missing; one is due every 60C2h.
 std::uint32_t missing_set_points(const Drive& drive) {
   const Interpolation& way = drive.registers().interpolation;
   return way.silent_ticks / std::max<std::uint32_t>(way.period, 1);
@@ -97,7 +97,7 @@ void end_stream(Drive& drive) {
 bool take_set_point(Drive& drive, std::int32_t set_point) {
   StreamState& stream = drive.state().modes.stream;
   Interpolation& way = drive.registers().interpolation;
-  // An extrapolated demand has left the last set-point, and the same one may be written again.
+  // An extrapolated demand has left the last set-point and must return if that is written again.
   const bool comes_back = stream.written && gap_of(drive) != Gap::none;
   if (stream.stage == StreamStage::begins || comes_back || set_point != way.set_point) {
     const std::uint32_t ticks = interpolation_ticks(drive);

@@ -12,8 +12,8 @@ namespace vdrive {
 /// @return `target` [UU], limited by 607Dh if that is in force.
 [[nodiscard]] double within_software_limits(const Drive& drive, double target);
 
-/// @return `torque` [‰ of rated], limited by 6072h, 60E0h and 60E1h. Ramps are limited too: beyond
-///         these limits a ramp would have no effect until it is back.
+/// @return `torque` [‰ of rated], limited by 6072h, 60E0h and 60E1h. Targets of torque ramps are
+///         limited too: beyond the limits a ramp would have no effect until it came back.
 [[nodiscard]] double within_torque_limits(const Drive& drive, double torque);
 
 /// @return whether the limit switch in `direction` (not 0) is active.
@@ -22,17 +22,17 @@ namespace vdrive {
 /// @return whether a limit switch is active in the direction of `motion`, which may be 0.
 [[nodiscard]] bool runs_into_limit_switch(const Drive& drive, double motion);
 
-/// @return whether the axis itself is running into a limit switch; at or below 606Fh it counts as
-///         standing. For modes that do not command a velocity.
+/// @return whether the actual velocity, if above 606Fh, leads into an active limit switch. For
+///         modes that do not command a velocity.
 [[nodiscard]] bool drifts_into_limit_switch(const Drive& drive);
 
 /// @return `limit_bits` for an axis that has limits or active inputs.
 [[nodiscard]] std::uint16_t bits_at_limits(const Drive& drive, double internal_demand,
                                            double internal_actual);
 
-/// @return bits of 6041h: bit 11 if a position is at or beyond a software limit, or a limit switch
-///         is active; bit 7 if a position is strictly beyond a software limit. The positions are
-///         internal and whole [UU].
+/// @return bits of 6041h: bit 11 if demand or actual position is at or beyond a software limit, or
+///         a limit switch is active; bit 7 if the actual position is beyond a software limit. The
+///         positions are internal and whole [UU].
 [[nodiscard]] inline std::uint16_t limit_bits(const Drive& drive, double internal_demand,
                                               double internal_actual) {
   const LimitState& limits = drive.state().limits;

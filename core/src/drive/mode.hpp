@@ -12,7 +12,7 @@ namespace vdrive {
 /// A controlword that was written; DriveState already holds it.
 struct WrittenControlword {
   std::uint16_t previous = 0;  // the controlword in force before
-  bool accepting = false;      // the mode is active before and after this word
+  bool accepting = false;      // the mode is in control before and after this word
 };
 
 /// Interface of an operating mode to the rest of the drive. Each file in drive/modes fills in what
@@ -31,9 +31,9 @@ struct Mode {
   /// Command: 607Ah, 6042h, 60FFh, 6071h, 60C1h:01 or an offset (60B0h, 60B1h, 60B2h) was written.
   void (*take_target)(Drive& drive, ObjectRow row) = nullptr;
 
-  /// Command, before the drive asks for a motion: advances the mode by the readings of the last
-  /// tick; a limit switch cancels its target. Not called in ticks in which only the motion
-  /// continues.
+  /// Command, before the drive asks for a motion: advances the mode according to the readings of
+  /// the last tick, and gives up its target at a limit switch. Not called in ticks in which only
+  /// the motion continues.
   void (*advance)(Drive& drive) = nullptr;
 
   /// Question: the motion requested by the mode in Operation enabled.
@@ -42,7 +42,7 @@ struct Mode {
   /// Question: the normal stop, if it differs from a ramp with `normal_ramp`.
   MotionRequest (*normal_stop)(const Drive& drive) = nullptr;
 
-  /// Question: the stop by the quick ramp and at a limit switch, if it differs from a ramp with
+  /// Question: the stop with the quick ramp and at a limit switch, if it differs from a ramp with
   /// 6085h.
   MotionRequest (*quick_stop)(const Drive& drive) = nullptr;
 
@@ -68,10 +68,10 @@ struct Mode {
   bool (*evolves)(const Drive& drive) = nullptr;
 };
 
-/// For modes without a meaning of bit 4: ignores and counts its rising edge.
+/// For modes in which bit 4 has no meaning: counts its rising edge as ignored.
 void ignore_edge(Drive& drive, const WrittenControlword& word);
 
-/// @return whether the active mode decides on the motion: no stop, no change of mode.
+/// @return whether the active mode controls the motion: no stop, no change of mode.
 [[nodiscard]] inline bool obeys_mode(const Drive& drive) {
   const DriveState& s = drive.state();
   return s.power.on && operation_enabled(drive) && s.mode.wanted == s.mode.actual &&

@@ -74,8 +74,8 @@ MotionRequest normal_stop(const Drive& drive) {
   return mode.normal_stop != nullptr ? mode.normal_stop(drive) : normal_ramp_stop(drive);
 }
 
-/// The normal stop as a reaction to a fault: without limited jerk, which would let an axis that is
-/// speeding up get faster first.
+/// The normal stop as a quick stop or fault reaction: without limited jerk, which would let an axis
+/// that is speeding up get faster first.
 MotionRequest urgent_normal_stop(const Drive& drive) {
   MotionRequest request = normal_stop(drive);
   request.jerk = {};

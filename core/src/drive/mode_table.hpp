@@ -29,7 +29,7 @@ extern const std::array<const Mode*, kModeNumbers> kModes;
 /// @return the motion requested now by state, operating mode and controlword.
 [[nodiscard]] MotionRequest requested_motion(const Drive& drive);
 
-/// Makes 6061h follow 6060h outside Operation enabled and at rest; a moving axis brakes first.
+/// Makes 6061h follow 6060h. In Operation enabled, a moving axis first brakes to a standstill.
 void follow_mode(Drive& drive);
 
 }  // namespace vdrive

@@ -17,7 +17,7 @@ namespace {
 /// Values of bits 6 and 7 of 60F2h.
 enum class RotaryDirection : std::uint8_t { as_linear, negative, positive, shortest };
 
-/// The bits are ignored on an axis that no longer has a range.
+/// The bits are ignored on an axis without a range or with software limits in force.
 RotaryDirection direction_of(const Drive& drive, std::int64_t option) {
   if (!is_modulo(drive) || drive.state().limits.enabled) return RotaryDirection::as_linear;
   return static_cast<RotaryDirection>((option & PositioningOption::kDirectionBits) >>

@@ -37,7 +37,7 @@ void write_mode(Drive& drive, OperatingMode wanted) {
   s.plan_due = true;
 }
 
-/// Passes a written target to the active mode; for other modes it waits in its register.
+/// Tells the active mode that a target was written, if the mode needs to know.
 void take_target(Drive& drive, ObjectRow row) {
   if (const Mode& mode = mode_of(drive); mode.take_target != nullptr) mode.take_target(drive, row);
 }

@@ -11,7 +11,7 @@ namespace vdrive {
 
 // Writes and reads of objects and their effect on the axis.
 
-/// The part of the servo that a write affects; the bank owns its parameters.
+/// The part of the servo that a write affects; the bank owns the parameters of the servo.
 enum class ServoUpdate : std::uint8_t { none, torques, gear };
 
 struct WriteResult {

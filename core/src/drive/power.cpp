@@ -62,7 +62,7 @@ void re_enable(Drive& drive) {
     take_control(drive);
   } else if (drive.state().demand.moving) {
     drop_targets(drive);
-    // A mode change since then may have taken the demand as the target.
+    // A mode change during the quick stop may have taken the demand as the target.
     drive.state().target.arrived = false;
     drive.state().window.dwell = 0;
   } else {
@@ -76,8 +76,8 @@ bool has_power_to_lose(PowerState state) {
 }
 
 /// Raises the fault of a cause that is present. Loss of the DC link is a fault only if the motor is
-/// powered; otherwise the axis falls back. If a cause was cleared for a reset and returned before
-/// the tick, that is a new fault.
+/// powered; otherwise the drive falls back to Switch on disabled. If a cause was cleared for a
+/// reset and returned before the tick, that is a new fault.
 void raise_cause(Drive& drive, std::uint8_t bit, ErrorCode code) {
   const DriveState& s = drive.state();
   const bool known = (s.faults.causes & bit) != 0 && is_fault(s.power.machine.state());
@@ -92,7 +92,8 @@ bool has_demand(const Drive& drive) {
   return demand.moving || (demand.control == ControlLoop::torque && demand.torque != 0.0);
 }
 
-/// Counts the present tick of a stop. @return whether the axis stands and the state may end.
+/// Counts the present tick of a stop.
+/// @return whether the state may end: the axis stands, or kLongestStandstillWait_us is over.
 bool stop_has_ended(Drive& drive) {
   DriveState& s = drive.state();
   const DriveRegisters& r = drive.registers();
@@ -152,7 +153,7 @@ void raise_fault(Drive& drive, ErrorCode code) {
   s.faults.coasting = s.faults.coasting || forces_coasting(code);
   act(drive, s.power.machine.fault_detected());
   if (s.faults.coasting && s.power.on) {
-    set_power(drive, false);  // the axis was braking but can brake no longer
+    set_power(drive, false);  // the axis was braking but can no longer brake
   }
 }
 

@@ -31,7 +31,7 @@ void act(Drive& drive, const TransitionSet& taken);
 /// Enters a fault into 603Fh, 1001h and 1003h and starts its reaction.
 void raise_fault(Drive& drive, ErrorCode code);
 
-/// Raises the faults whose causes have appeared (5E02h to 5E05h).
+/// Raises the faults whose causes have appeared (5E02h to 5E05h, heat of the motor).
 void watch_causes(Drive& drive);
 
 /// Ends the stops of quick stop, fault reaction and pending transitions.

@@ -77,7 +77,7 @@ inline constexpr std::uint8_t kHomeInput = 1U << 2U;
   return (drive.state().controlword & Controlword::kHalt) != 0;
 }
 
-/// @return whether the readings are frozen at their values when 5E0Ch became 1.
+/// @return whether the readings are frozen at the values that they had when 5E0Ch became 1.
 [[nodiscard]] inline bool shows_frozen_feedback(const Drive& drive) {
   return (drive.block().frozen >> drive.lane() & 1U) != 0;
 }

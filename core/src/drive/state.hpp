@@ -62,7 +62,7 @@ struct MotionRequest {
   }
 };
 
-/// Demand generator, apart from the lane of its block.
+/// State of the demand generator, apart from its lane in DemandBlock.
 struct DemandState {
   double torque = 0.0;  // torque control, at the end of the tick [‰ of rated]
   ControlLoop control = ControlLoop::position;
@@ -91,8 +91,8 @@ struct WindowState {
   std::uint32_t velocity_ticks = 0;   // 606Eh
   std::uint32_t threshold = 0;        // 606Fh [UU/s]
   std::uint32_t threshold_ticks = 0;  // 6070h
-  std::uint32_t dwell = 0;            // ticks inside the window, the present one included; those of
-                                      // a lane steady on its target are added when that ends
+  std::uint32_t dwell = 0;            // ticks inside the window, the present one included; those in
+                                      // which the lane was steady are added by end_steadiness
   std::uint32_t standstill = 0;       // ticks at or below 606Fh, the present one included
 };
 
@@ -105,7 +105,6 @@ struct FollowingErrorState {
   std::array<std::uint8_t, 3> unused{};
 };
 
-/// Position limits.
 struct LimitState {
   double lower = 0.0;       // 607Dh:01 [UU]
   double upper = 0.0;       // 607Dh:02 [UU]
@@ -116,11 +115,11 @@ struct LimitState {
   std::array<std::uint8_t, 4> unused{};
 };
 
-/// Motor heat in relation to what is allowed (I2t).
+/// Motor heat relative to what is allowed (I2t).
 enum class LoadLevel : std::uint8_t {
   rated,    // at most the heat at rated current
   warning,  // more: bit 7 of 6041h
-  fault,    // too much, until it is back at the heat at rated current
+  fault,    // too much; lasts until the heat is back at that of rated current
 };
 
 /// Present faults and their effects.
@@ -135,7 +134,6 @@ struct FaultState {
   std::array<std::uint8_t, 1> unused{};
 };
 
-/// Power stage.
 struct PowerStageState {
   std::uint32_t ticks_in_state = 0;  // steady ticks not counted: no stop is pending in them
   std::uint32_t stop_ticks = 0;      // since the demand of a stop ended
@@ -144,7 +142,6 @@ struct PowerStageState {
   bool waits = false;  // a habit is holding something back (drive/habits.hpp)
 };
 
-/// Operating mode.
 struct ModeState {
   OperatingMode actual = OperatingMode::none;  // 6061h
   OperatingMode wanted = OperatingMode::none;  // 6060h
@@ -235,7 +232,7 @@ struct SpeedLimits {
   double motor_max_speed_rpm = 0.0;  // 6080h [rpm]
 };
 
-/// State that only writes and plans use.
+/// State that not every tick uses.
 struct DriveRegisters {
   std::array<std::int64_t, kObjectCount> values{};
   Profile profile;
@@ -256,7 +253,7 @@ struct DriveRegisters {
   double position_gain = 1.0;  // of the position loop [1/s]
   double torque_offset = 0.0;  // part of the integrator that is an offset [UU/s²]
   SpeedLimits speed_limits{};  // from transition 4
-  double velocity_cap = 0.0;   // derived from these and the gear [UU/s]
+  double velocity_cap = 0.0;   // derived from speed_limits and the gear [UU/s]
   AxisSettings settings;
   bool memory_error = false;    // the stored values are unusable: fault 5530h at power-up
   bool single_encoder = false;  // 6064h is from encoder 1: both readings share one frame
@@ -309,7 +306,7 @@ class Drive {
         status_(status),
         timing_(timing) {}
 
-  Drive(const Drive&) = delete;  // a copy of a const drive could be changed
+  Drive(const Drive&) = delete;  // a copy of a const drive would allow changes
   Drive& operator=(const Drive&) = delete;
   ~Drive() = default;
 

@@ -24,7 +24,7 @@ namespace vdrive {
 /// @return the stop with the ramp in `row`.
 [[nodiscard]] MotionRequest ramp_stop(const Drive& drive, ObjectRow row);
 
-/// @return the same with the profile of 6086h.
+/// @return the same stop with the profile of 6086h.
 [[nodiscard]] MotionRequest profile_stop(const Drive& drive, ObjectRow row);
 
 /// @return the torque ramp to `target` [‰ of rated] with slope 6087h; 0 counts as 1.
@@ -33,7 +33,7 @@ namespace vdrive {
 /// @return the normal stop of modes that command a torque: the torque is removed with slope 6087h.
 [[nodiscard]] MotionRequest release_torque(const Drive& drive);
 
-/// @return the stop with 6085h at a limit switch, for a mode without a quick ramp of its own.
+/// @return the stop with 6085h at a limit switch, for a mode without its own quick ramp.
 [[nodiscard]] MotionRequest limit_switch_stop(const Drive& drive);
 
 /// Deceleration for option codes 605Ah, 605Dh and 605Eh: 1 normal ramp, 2 quick ramp, 3 and 4 the

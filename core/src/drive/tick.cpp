@@ -20,7 +20,7 @@
 namespace vdrive {
 namespace {
 
-/// @return whether something apart from the motion is going on that the next tick must follow.
+/// @return whether anything besides the motion needs the step `follow` in the next tick.
 bool needs_attention(const Drive& drive, const Mode& mode) {
   const DriveState& s = drive.state();
   const PowerState state = s.power.machine.state();
@@ -86,7 +86,7 @@ void watch(Drive& drive, const Mode& mode) {
   if (operation_enabled(drive) && mode.watch != nullptr) mode.watch(drive);
 }
 
-/// A next set-point is only taken once the target is reached, which most ticks do not do.
+/// The next set-point is taken only once the target is reached; most ticks skip this.
 void take_next_set_point(Drive& drive, const Mode& mode) {
   if (drive.state().target.arrived && operation_enabled(drive) && mode.take_next != nullptr) {
     mode.take_next(drive);
@@ -102,13 +102,12 @@ std::uint16_t mode_bits(const Drive& drive, const Mode& mode) {
   return reached_when(stops && at_rest(drive));
 }
 
-/// @return 6041h.
 std::uint16_t statusword(const Drive& drive, const Mode& mode) {
   const DriveState& s = drive.state();
   const PowerState state = s.power.machine.state();
   unsigned word = statusword_of(state) | s.maker_bits | mode_bits(drive, mode);
   word |= limit_bits(drive, nearest(demand_position(drive)), nearest(actual_position(drive)));
-  // Before transition 1 the state of the DC link is not known yet: 0200h.
+  // Before transition 1 the state of the DC link is not known yet, so 6041h is 0200h.
   if (s.faults.dc_link && state != PowerState::not_ready_to_switch_on) {
     word |= Statusword::kVoltageEnabled;
   }
@@ -173,7 +172,7 @@ double window_of(std::uint32_t window) {
   return window == kWindowOff ? std::numeric_limits<double>::infinity() : window;
 }
 
-/// Records whether the next ticks are steady, and the conditions that end this.
+/// Records whether the next ticks are steady, and the conditions under which that ends.
 void note_steadiness(Drive& drive, const Mode& mode) {
   SteadyBlock& steady = drive.block().steady;
   const std::size_t l = drive.lane();

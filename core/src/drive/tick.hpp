@@ -16,9 +16,9 @@ namespace vdrive {
 //   watch    demand at the end of the tick, monitors, windows
 //   take     the next set-point, if the active one is reached
 //   show     the status image
-// A lane is steady if its next tick only advances within its segment. Its ticks are computed with
-// those of the block (drive/block.hpp) until something happens. A steady lane moves within a
-// segment outside the target window, stands on its target, or has no power.
+// A lane is steady while it moves within a segment outside the target window, stands on its target,
+// or has no power. The block computes the ticks of its steady lanes together, without these steps
+// (drive/block.hpp), until something happens.
 
 /// Steps follow, ask and plan.
 void begin_tick(Drive& drive) noexcept;

@@ -110,7 +110,8 @@ unsigned input_of(const Drive& drive, const TouchProbe& probe, unsigned bits) {
   }
 }
 
-/// @return the edges since the last evaluation, and stores the present inputs as the last ones.
+/// Stores the present inputs.
+/// @return the edges since the last evaluation.
 InputEdges next_edges(Drive& drive, double motor_reading) {
   TouchProbeState& state = drive.registers().touch_probe;
   const unsigned before = state.inputs;

@@ -7,10 +7,10 @@
 
 namespace vdrive {
 
-// Speeds of the velocity mode of frequency inverters (vl): conversion of 6042h to 604Ch to
-// velocities of 6064h and back. Questions only.
+// Speeds of the velocity mode of frequency inverters (vl): conversion between the units of 6042h to
+// 604Ah and velocities of 6064h. Questions only.
 //   rpm of the motor = 6042h, 6043h, 6044h x set-point factor 604Bh x dimension factor 604Ch
-//   rpm of the motor = 6046h, 6048h:01, 6049h:01, 604Ah:01 x amount of the dimension factor 604Ch
+//   rpm of the motor = 6046h, 6048h:01, 6049h:01, 604Ah:01 x |dimension factor 604Ch|
 
 /// @return 6042h [UU/s], not limited.
 [[nodiscard]] double vl_target(const Drive& drive);

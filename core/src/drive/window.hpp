@@ -13,7 +13,7 @@ namespace vdrive {
 
 // Conditions that must last before 6041h shows them. Inline because every tick uses them.
 
-/// @return whether demand and actual speed are zero.
+/// @return whether the demand has stopped and the actual speed is at or below 606Fh.
 [[nodiscard]] inline bool at_rest(const Drive& drive) {
   const DriveState& s = drive.state();
   return !s.demand.moving &&

@@ -12,7 +12,7 @@
 //    its cap and falls, once for v < 0 and once for v > 0. A w(v) that is larger everywhere takes
 //    less time, because dt = dv/√(2w).
 //   If a < 0 at the start, a first returns to 0 with the full jerk, which takes v to the "settled"
-//   velocity v - a²/2J. For u above it the change continues as described above, for u below it
+//   velocity v - a²/2J. If u is above it, the change continues as described above, otherwise
 //   mirrored. This also covers a start whose acceleration forces v beyond V: its settled velocity
 //   is above u = V, and the change turns back as soon as v has reached it. From a start above its
 //   cap, w falls with the full jerk down to the cap, so the cap is exceeded no longer than J makes
@@ -357,7 +357,7 @@ class LeaveSearch {
   /// @param below `beyond` at the start of the piece, < 0
   /// @param above `beyond` at its end
   [[nodiscard]] Leave solve(const Piece& piece, double begin, double below, double above) const {
-    constexpr int kMaximumSteps = 256;  // four for each bit of the time; about eight is usual
+    constexpr int kMaximumSteps = 256;  // four for each bit of the time; about eight are usual
     constexpr double kEpsilon = std::numeric_limits<double>::epsilon();
     const double enough = kEpsilon * (std::abs(distance_) + std::abs(begin));
     if (!(above > enough)) return {.time = piece.duration};
@@ -449,9 +449,9 @@ class JerkProfileBuilder {
 
 namespace {
 
-/// Adds a stop lengthened by `missing`. If a stop takes long to end its acceleration, its end
-/// differs by more than rounding between two neighbouring floating-point leaving times. To cover
-/// the difference, the stop holds the velocity at which the acceleration has become 0, for less
+/// Adds a stop lengthened by `missing`. If a stop takes long to end its acceleration, two
+/// neighbouring floating-point leaving times give ends that differ by more than rounding. To make
+/// up the difference, the stop holds the velocity at which the acceleration has become 0, for less
 /// time than the next piece takes. At almost zero velocity that time would be longer, but there the
 /// ends differ only by rounding.
 void add_longer(JerkProfileBuilder& builder, const Ramp& stop, double direction, double missing) {

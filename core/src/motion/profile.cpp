@@ -7,7 +7,7 @@
 
 namespace vdrive {
 
-/// Appends segments. Velocities are passed as magnitudes along the direction of travel.
+/// Appends segments. Where a `direction` is passed, velocities are magnitudes along it.
 class ProfileBuilder {
  public:
   explicit ProfileBuilder(double start_position) noexcept
@@ -87,7 +87,7 @@ double stopping_distance(double velocity, double deceleration) {
   return 0.5 * velocity * velocity / deceleration;
 }
 
-/// From `velocity` >= 0 along `direction` to a target at or beyond the stopping distance.
+/// Approaches a target at or beyond the stopping distance, from `velocity` >= 0 along `direction`.
 void approach(ProfileBuilder& builder, double direction, double velocity, double target,
               const MotionLimits& limits) {
   const double distance = direction * (target - builder.position());

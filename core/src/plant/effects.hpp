@@ -15,7 +15,7 @@
 namespace vdrive {
 
 /// Parameters of the effects of a block: holding brake, cogging, torque ripple, encoder noise, end
-/// stops and motor heat. In a lane without an effect its parameters change no bit.
+/// stops and motor heat. In a lane without an effect, the parameters of that effect change no bit.
 struct alignas(64) EffectParameters {
   Lane cogging;           // at a quarter period [UU/s²]; <= 0, as periods start at stable detents
   Lane cogging_turns;     // periods of the cogging [1/UU] of the motor
@@ -58,7 +58,7 @@ struct alignas(64) EffectState {
   std::array<std::uint64_t, 4> unused;
 };
 
-/// The effects of a block in which at least one axis has any.
+/// The effects of a block in which at least one axis has one.
 struct alignas(64) EffectBlock {
   EffectParameters parameters;
   EffectState state;

@@ -22,7 +22,7 @@ struct LoadNoise {
 [[nodiscard]] constexpr double noise_of(std::uint64_t bits) noexcept {
   constexpr double kPerUnit =
       1.7320508075688772 /
-      65536.0;  // the sum of 4 numbers spread over 65,536: deviation 65,536 / root of 3
+      65536.0;  // the sum of 4 numbers spread over 65,536: standard deviation 65,536/√3
   constexpr std::int64_t kLargestPart = 0xFFFF;
   std::int64_t sum = -2 * kLargestPart;
   for (int part = 0; part < 4; ++part, bits >>= 16U) {

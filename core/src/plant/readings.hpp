@@ -16,7 +16,7 @@ namespace vdrive {
   return nearest(x * per_unit) * unit;
 }
 
-/// Load of a rigid axis. A load on an elastic shaft gets its position from the model.
+/// Computes the load position of a rigid axis. On an elastic shaft it is part of the model.
 [[gnu::always_inline]] inline void place_load(const RigidParameters& p, ServoState& s,
                                               std::size_t l) {
   s.load_position[l] = p.loop.ratio[l] * s.position[l] + s.load_offset[l];

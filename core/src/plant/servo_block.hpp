@@ -14,8 +14,9 @@ namespace vdrive {
 /// the other blocks fill that time.
 inline constexpr std::size_t kInterleavedBlocks = 4;
 
-/// Servo loop settings of a block. Accelerations are torques over the inertia of the motor (two
-/// inertias) or the total inertia (rigid), so that loop, limits and plant share one unit.
+/// Servo loop settings of a block. Torques are expressed as accelerations: divided by the inertia
+/// of the motor (two inertias) or the total inertia (rigid), so that loop, limits and plant share
+/// one unit.
 struct alignas(64) LoopParameters {
   Lane position_gain;         // [1/s]
   Lane velocity_gain;         // [1/s]
@@ -184,7 +185,7 @@ struct ServoFeatures {
 };
 
 /// Runs servo loops and plant of some blocks over some sub-steps of a tick, and reads the encoders
-/// after the last one. A feature changes no bit of a lane that does not use it.
+/// after the last sub-step of the tick. A feature changes no bit of a lane that does not use it.
 void step_servo(std::span<const ServoBlock<RigidParameters>> blocks, const Substeps& substeps,
                 ServoFeatures features) noexcept;
 void step_servo(std::span<const ServoBlock<ElasticParameters>> blocks, const Substeps& substeps,

@@ -43,7 +43,6 @@ void design_lane(const AxisModel& model, const Gear& gear, double substep, std::
 void design_lane(const AxisModel& model, const Gear& gear, double substep, std::size_t lane,
                  ElasticParameters& parameters);
 
-/// Sets the torque limits of one lane.
 void limit_lane(const TorqueLimits& limits, double torque_unit, std::size_t lane,
                 LoopParameters& loop) noexcept;
 

@@ -15,9 +15,9 @@ namespace {
   return below_upper < lower ? lower : below_upper;
 }
 
-/// Torque command of profile torque: the wanted torque, reduced near the speed limit. It is limited
-/// to the torque that the proportional part of the velocity loop would command at the speed limit,
-/// so the speed stays below that limit.
+/// Torque command in torque control: the wanted torque, reduced near the speed limit. It is limited
+/// to the torque that the proportional part of the velocity loop would command with the speed limit
+/// as its demand, so the speed stays below that limit.
 [[gnu::always_inline]] inline double torque_within_speed(const LoopParameters& p, ServoState& s,
                                                          std::size_t l, double measured_velocity) {
   const double most = s.speed_limit[l] * p.inverse_ratio[l];
@@ -94,7 +94,7 @@ template <bool kGeneral>
 }
 
 /// The torque that cogging and ripple add in a sub-step: +0 in a lane without either. Most blocks
-/// have no ripple, so its sine has a loop of its own.
+/// have no ripple, so its sine has its own loop.
 template <bool kGeneral>
 [[gnu::always_inline]] inline void find_ripple_torque(const EffectBlock& e, const ServoState& s,
                                                       Lane& uneven) {
@@ -123,8 +123,8 @@ template <bool kGeneral>
   return uneven != 0.0 ? torque + uneven : torque;
 }
 
-/// @return the end of a step of a load between the end stops: the load stays at a stop, without
-///         rebound. From beyond a stop it can only move back.
+/// @return the position to which a step takes a load between the end stops. The load stays at a
+///         stop, without rebound; from beyond a stop it can only move back.
 [[gnu::always_inline]] inline double between_stops(const EffectState& s, std::size_t l, double from,
                                                    double to) {
   const double highest = from > s.upper_stop[l] ? from : s.upper_stop[l];
@@ -132,7 +132,7 @@ template <bool kGeneral>
   return clamp(to, lowest, highest);
 }
 
-/// Draws the noise of the encoders for the next instant.
+/// Draws the noise of the next encoder readings.
 [[gnu::always_inline]] inline void draw_noise(EffectBlock& e) {
   EffectState& s = e.state;
   if (s.noisy == 0) return;
@@ -192,8 +192,8 @@ struct ElasticInput {
   return on_motor.stuck ? held : e.state.brake[l];
 }
 
-/// Linear step, then Coulomb friction on both sides, in the direction given by the velocities
-/// without friction.
+/// Linear step, then Coulomb friction on both sides: against the present velocity or, from
+/// standstill, against the velocity that would follow without friction.
 /// @param uneven torque that cogging and ripple add to that of the motor
 template <bool kEffects>
 [[gnu::always_inline]] inline ElasticStep advance(const ElasticParameters& p, const EffectBlock* e,

@@ -21,8 +21,8 @@ struct BytesSample {
   std::size_t head_size = 0;
 };
 
-/// The type of a topic as the network sees it, safe against untrusted senders: no type objects on
-/// the wire, and no exception from a payload. Samples are encoded and decoded elsewhere.
+/// The type of a topic as the library sees it, safe against untrusted senders: it announces no type
+/// objects, and no payload causes an exception. Samples are encoded and decoded elsewhere.
 class BytesType final : public LibraryType {
  public:
   using Key = MessageKey (*)(std::span<const std::byte> sample) noexcept;

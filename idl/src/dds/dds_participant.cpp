@@ -36,7 +36,7 @@ using rtps::IPLocator;
 constexpr std::uint32_t kSocketBuffer = 4U * 1024U * 1024U;
 constexpr std::size_t kMostServers = 256;  // the id has one byte
 constexpr std::size_t kMostParticipants = 256;
-constexpr std::size_t kEndpointsOfParticipant = 16;        // on average, readers and writers each
+constexpr std::size_t kEndpointsOfParticipant = 16;        // on average; readers and writers each
 constexpr std::uint32_t kLargestAnnouncement = 16 * 1024;  // [bytes]; those of vdrive take 1 kB
 // A long lease: in Fast DDS 2.9 and 3.1 the lease timer must not fire while a participant is
 // leaving. Programs with a guard remove participants earlier; a discovery server has no guard. In
@@ -248,7 +248,7 @@ class DdsParticipant final : public Participant {
   std::unique_ptr<SampleReader> make_reader(TopicId topic, SampleHandler handler) override;
 
   [[nodiscard]] std::string place() const override {
-    // Members of a closed network do not meet members with another version: docs/SECURITY.md.
+    // Members of a closed network cannot find members with another version: docs/SECURITY.md.
     return "on domain " + std::to_string(domain_) +
            (is_closed_ ? std::string(", closed, by Fast DDS ") + kLibraryVersion : "");
   }
@@ -313,8 +313,8 @@ DdsParticipant::DdsParticipant(const NetworkSettings& settings, const std::strin
     entities_.permissions = check_security(settings.security, settings.domain);
   }
   if (guard_ != nullptr) entities_.others.tell(*guard_);
-  // A service and its clients may be in the same process: delivery in the writing thread would let
-  // a handler run inside a write of another part.
+  // A service and its clients may be in the same process: with delivery in the writing thread, a
+  // handler of one would run inside a write of another.
   deliver_through_the_transport();
   const std::vector<std::string> addresses = addresses_to_use(settings);
   const dds::DomainParticipantQos qos = participant_qos(settings, name, guard_, addresses, names_);

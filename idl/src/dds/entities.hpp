@@ -29,9 +29,9 @@ struct DdsEntities {
   std::optional<Permissions> permissions;  ///< of a closed participant
   KnownParticipants others;                ///< listens to the participant
 
-  /// Serialises changes of the announcement and creation of endpoints. Fast DDS 2.9 and 3.1 replace
-  /// address lists of the participant when its announcement changes (2.9 without a lock), and read
-  /// them without a lock when they create an endpoint.
+  /// Serialises changes to the announcement and the creation of endpoints. Fast DDS 2.9 and 3.1
+  /// replace address lists of the participant when its announcement changes (2.9 without a lock),
+  /// and read them without a lock when they create an endpoint.
   std::mutex changing;
 
   DeletionGate* deletions = nullptr;  ///< of the guard; null without one

@@ -13,12 +13,12 @@
 
 namespace vdrive::wire {
 
-/// The other participants that the library has reported. Fast DDS 2.9 and 3.1: the library function
-/// for this, DomainParticipant::get_participant_names, reads its list without the lock under which
+/// The other participants that the library has reported. Replaces a function of Fast DDS 2.9 and
+/// 3.1, DomainParticipant::get_participant_names, which reads its list without the lock under which
 /// the receive threads change it. Thread-safe.
 class KnownParticipants final : public ParticipantListener {
  public:
-  /// @param guard is told which participants are known, and knows what the library does not report;
+  /// @param guard is told which participants are known, and tells which of them use DDS Security;
   ///        must outlive this object. Call before there is a participant.
   void tell(Guard& guard) noexcept { guard_ = &guard; }
 
@@ -29,8 +29,8 @@ class KnownParticipants final : public ParticipantListener {
   [[nodiscard]] bool has_server() const;
 
  private:
-  // Called in a thread of the library that holds none of its participant locks. The arguments are
-  // valid, because one thread at a time adds and removes a participant (Guard).
+  // Called in a thread of the library that holds none of its participant locks. The arguments stay
+  // valid, because only one thread at a time adds or removes participants (Guard).
   void find(const rtps::GUID_t& guid, const std::string& name,
             const std::vector<rtps::octet>& user_data) override;
   void lose(const rtps::GUID_t& guid) override;

@@ -41,8 +41,8 @@ dds::DataWriterQos writer_qos(const TopicTraits& topic) {
   }
   qos.publish_mode().kind = dds::SYNCHRONOUS_PUBLISH_MODE;
   qos.writer_data_lifecycle().autodispose_unregistered_instances = false;
-  // Memory for one sample as large as needed, reused for the next: no allocation in steady state,
-  // and not the 75 kB of the largest sample each.
+  // Each sample takes only the memory that it needs, not the 75 kB of the largest one, and the next
+  // reuses it: no allocation in steady state.
   qos.endpoint().history_memory_policy = rtps::DYNAMIC_REUSABLE_MEMORY_MODE;
   set_times(qos, {.first_heartbeat = {0, 5'000'000},
                   .heartbeat_period = {0, 10'000'000},

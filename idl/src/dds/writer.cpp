@@ -17,7 +17,7 @@ namespace {
 // been idle for this long asks.
 constexpr std::chrono::milliseconds kRest{2};
 // A writer that is never idle waits for the acknowledgements after this many writes, long before a
-// gap is so wide that a guard refuses it. It waits for longer than the heartbeat period.
+// gap is so wide that a guard refuses it. The wait is longer than the heartbeat period.
 constexpr std::uint32_t kWritesBeforeWait = 8'192;
 constexpr std::chrono::milliseconds kLongestWait{20};
 
@@ -46,11 +46,10 @@ DdsWriter::DdsWriter(DdsEntities& parent, const std::string& name, const dds::Ty
 }
 
 DdsWriter::~DdsWriter() {
-  // Fast DDS 2.9 returns samples that no reader has acknowledged to their pool while they are still
-  // in the history, where its heartbeat timer, which still runs, reads their numbers
-  // (RTPSWriter::deinit). It may then count a gap of up to 2^63 samples, and the deletion never
-  // ends. An empty history has no gap. Fast DDS 3.1 holds the lock of the writer during the
-  // deletion.
+  // Empty the history first. When Fast DDS 2.9 deletes a writer (RTPSWriter::deinit), it frees
+  // unacknowledged samples that are still in the history, and the heartbeat timer, which still
+  // runs, reads their numbers there. It may then count a gap of up to 2^63 samples, and the
+  // deletion never ends. Fast DDS 3.1 holds the lock of the writer during the deletion.
   std::size_t removed = 0;
   const auto deletion = entities_.erase();
   writer_->clear_history(&removed);
@@ -72,8 +71,8 @@ bool DdsWriter::write(std::span<const std::byte> sample) noexcept {
 }
 
 /// Fast DDS 2.9 and 3.1: the library removes a sample when all readers have acknowledged it. But
-/// while a reader that has joined has not yet answered, it marks samples as removed and yet keeps
-/// them (StatefulWriter::check_acked_status), and these are never removed. Every later reader then
+/// while a reader that has just joined has not answered, the library only marks such samples as
+/// removed and then keeps them for good (StatefulWriter::check_acked_status). Every later reader
 /// receives, with each heartbeat, a gap of all numbers since the oldest of them and processes it
 /// number by number; a guard refuses wide gaps. Nobody needs samples that all have acknowledged, so
 /// remove them here.

@@ -42,7 +42,7 @@ class DdsWriter final : public SampleWriter, public dds::DataWriterListener {
  private:
   using Clock = std::chrono::steady_clock;
 
-  /// The time within which a reader that has joined either acknowledges something or is gone.
+  /// A reader that has joined acknowledges something within this time, or is gone.
   static constexpr std::chrono::seconds kLongestSilence{5};
 
   void remove_acknowledged();
@@ -50,7 +50,7 @@ class DdsWriter final : public SampleWriter, public dds::DataWriterListener {
   const DdsEntities& entities_;
   dds::Publisher* publisher_ = nullptr;
   dds::DataWriter* writer_ = nullptr;
-  bool forgets_ = false;       ///< reliable, and late readers do not receive earlier samples
+  bool forgets_ = false;       ///< reliable and volatile: late readers get no earlier samples
   std::mutex writing_;         ///< if forgets_: no write between the check and the removal
   std::uint32_t writes_ = 0;   ///< since the last removal, while one is due
   Clock::time_point written_;  ///< time of the last write

@@ -14,8 +14,7 @@ namespace vdrive::wire {
 
 /// The lease that the library reads for every participant. A lease timer of the library must not
 /// fire during a removal (Fast DDS 2.9.1 and 3.1.2: PDP::check_remote_participant_liveliness
-/// aborts), so the lease is made longer than any service runs between two checks, and the guard
-/// decides who is gone.
+/// aborts), so the lease is too long to end before the guard decides who is gone.
 constexpr std::chrono::seconds kLeaseForTheLibrary = std::chrono::hours{24};
 
 enum class Announcer : std::uint8_t {
@@ -51,11 +50,11 @@ void raise_leases(std::span<std::uint8_t> list, bool little) noexcept;
 /// @param list as in raise_leases
 void hide_types(std::span<std::uint8_t> list, bool little) noexcept;
 
-/// @return a datagram by which the participant `gone` leaves, as Fast DDS itself sends one: DATA of
-///         the announcing entity with the key and the status "disposed and unregistered". Its
-///         sequence number is higher than any that the participant can have sent, because a reader
-///         ignores older ones and trusts only the writer itself. The library forgets the number
-///         together with the participant, so that one that was only suspended is found again.
+/// @return a datagram that announces that `gone` has left, as Fast DDS itself sends it: DATA of the
+///         announcing writer with the key and the status "disposed and unregistered". Only that
+///         writer is believed. The sequence number is higher than any that it can have sent,
+///         because a reader ignores lower ones. The library forgets the number together with the
+///         participant, so that a participant that was only suspended is found again.
 [[nodiscard]] std::vector<std::uint8_t> end_datagram(const GuidPrefix& gone);
 
 }  // namespace vdrive::wire

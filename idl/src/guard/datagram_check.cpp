@@ -9,12 +9,12 @@
 namespace vdrive::wire {
 namespace {
 
-/// A CDR text: its length including the final NUL, then that many bytes, padded to four.
+/// A CDR string: its length including the final NUL, then that many bytes, padded to four.
 bool skip_text(ByteReader& reader) {
   const std::uint32_t length = reader.u32();
   if (!reader.ok() || length > reader.left()) return false;
   reader.skip(length);
-  // The last text need not be padded.
+  // The last string need not be padded.
   reader.skip(std::min<std::size_t>(reader.left(), (4 - length % 4) % 4));
   return true;
 }
@@ -44,8 +44,8 @@ bool is_data_representation(ByteView value, bool little) {
   return reader.ok() && count <= reader.left() / 2;
 }
 
-/// Like is_data_representation(), but Fast DDS has no limit for other vendors: refuses only a count
-/// for which no parameter has room.
+/// Like is_data_representation(), but other vendors use this parameter for something else: refuses
+/// only a count for which no parameter has room.
 bool may_be_data_sharing(ByteView value, bool little) {
   constexpr std::uint32_t kMostDomains = 0xFFFF / 8;
   ByteReader reader(value, little);
@@ -61,7 +61,7 @@ bool is_content_filter(ByteView value, bool little) {
 }
 
 /// Checks parameters whose length the library does not check: they must have at least the length
-/// read.
+/// that it reads.
 bool is_parameter(const ListEntry& entry, bool little) {
   switch (entry.id) {
     case kEntityName:
@@ -127,8 +127,8 @@ DataSubmessage parse_data(const Submessage& submessage, std::size_t fixed) noexc
 
 bool may_announce(const Submessage& submessage, const DataSubmessage& data) noexcept {
   if (data.reader == kParticipantsReader || data.writer == kParticipantsWriter) return true;
-  // Data for any reader also reaches the reader of announcements, which accepts what looks like
-  // one.
+  // Data for any reader also reaches the reader of announcements, which accepts whatever looks like
+  // an announcement.
   if (data.reader != kUnknownEntity || !submessage.has(kThird) || !data.is_list()) return false;
   ParameterList list(data.list(), data.list_is_little());
   for (ListEntry entry; list.next(entry);) {
@@ -284,8 +284,9 @@ Refusal check_data_frag(const Submessage& submessage) {
     return Refusal::fragment;
   }
   const std::uint64_t fragments = (sample + size - 1) / size;
-  // The library writes that number at the next multiple of four, even beyond a short last fragment.
-  // The memory of a sample ends at a multiple of four, so positions inside the sample are safe.
+  // The library writes the number of a missing fragment (kSmallestFragment) at the next multiple of
+  // four, even if a short last fragment ends before that. The memory of a sample ends at a multiple
+  // of four, so positions inside the sample are safe.
   if ((((fragments - 1) * size + 3) & ~std::uint64_t{3}) >= sample) return Refusal::fragment;
   const std::uint64_t behind = first - 1 + count;
   if (behind > fragments ||
@@ -355,7 +356,7 @@ bool is_header(ByteView datagram) {
          std::equal(kStart.begin(), kStart.end(), datagram.begin());
 }
 
-/// Fast DDS reads 0x80 of a sender of its own vendor before anything else, without a check.
+/// Fast DDS reads submessage 0x80 of its own vendor before anything else, without a check.
 bool is_from_fast_dds(ByteView datagram) {
   return datagram[6] == 1 && datagram[7] == 15;
 }

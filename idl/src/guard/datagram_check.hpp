@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The requirements on a datagram before the DDS library reads it. A pure function of its bytes.
+// The check of a datagram before the DDS library reads it. A pure function of bytes and mode.
 #pragma once
 
 #include "vdrive/wire/guard.hpp"
@@ -19,10 +19,10 @@ enum class Mode : std::uint8_t { open, closed };
 /// Result of the check.
 struct DatagramReport {
   Refusal refusal = Refusal::none;
-  /// [bytes] of the datagram that the library may read: without the statistics that another Fast
+  /// Length of the part that the library may read [bytes]: without the statistics that another Fast
   /// DDS participant appends, whose content the library would trust.
   std::size_t length = 0;
-  bool announces = false;  ///< has discovery DATA, see rewrite_announcements
+  bool announces = false;  ///< has discovery DATA, see Guard::pass_discovery
 };
 
 /// Checks the RTPS header, that the submessages fill the datagram, that each is complete and of a

@@ -35,7 +35,8 @@ class Sender {
   Sender(const Sender&) = delete;
   Sender& operator=(const Sender&) = delete;
 
-  /// @return whether `interface` is an address of this host from which multicast can be sent.
+  /// Sends multicast from `interface` from now on.
+  /// @return false if it is not an address of this host from which multicast can be sent.
   [[nodiscard]] bool leave_by(const std::string& interface) const {
     in_addr address{};
     return inet_pton(AF_INET, interface.c_str(), &address) == 1 &&
@@ -43,8 +44,8 @@ class Sender {
   }
 
   // Ignores errors: an unreachable address must not keep the others from being told. Does not
-  // resolve names, which would mean waiting for a name server; participants not told detect the end
-  // by silence.
+  // resolve names, which would mean waiting for a name server; participants on hosts given by name
+  // detect the end by silence.
   void send(const std::string& to, std::uint32_t port,
             const std::vector<std::uint8_t>& datagram) const {
     sockaddr_in address{};

@@ -333,10 +333,11 @@ std::optional<Guard::Locator> Guard::locator_of(const Receiver* channel) {
   return found == channels_.end() ? std::nullopt : std::optional(found->first);
 }
 
-/// Passes the library a departure of the participant, on the channel of its announcement, as if the
-/// participant had sent it: the only removal that cannot collide with a timer of the library.
+/// Passes the library an announcement that the participant has left, as if the participant had sent
+/// it, on the channel on which it had announced itself: the only removal that cannot collide with a
+/// timer of the library.
 void Guard::remove(const Keeper::Silent& silent) {
-  const auto receiving = deletions_.receive();  // before the others, as in receive()
+  const auto receiving = deletions_.receive();  // before the other locks, as in receive()
   const std::scoped_lock lock(announcing_, handing_over_);
   const std::optional<Locator> local = locator_of(silent.channel);
   if (!local) return;

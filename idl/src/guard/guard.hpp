@@ -26,8 +26,8 @@
 
 namespace vdrive::wire {
 
-/// Between the transports of a participant and the library: withholds datagrams that the library
-/// would not survive, and decides which participants are gone. Thread-safe.
+/// Stands between the transports of a participant and the library: withholds datagrams that the
+/// library would not survive, and decides which participants are gone. Thread-safe.
 class Guard {
  public:
   using Receiver = eprosima::fastdds::rtps::TransportReceiverInterface;
@@ -96,7 +96,7 @@ class Guard {
   const Role role_;
   const Mode mode_;
   const bool keeps_leases_;
-  const bool raises_leases_;  ///< the timers of the library never fire
+  const bool raises_leases_;  ///< so that the lease timers of the library never fire
   const GuardSink sink_;
 
   std::array<std::atomic<std::uint64_t>, kRefusals> refused_{};
@@ -111,20 +111,20 @@ class Guard {
   ReturnedParticipants returned_;
   ReturnedServers servers_;
   SilentReaders<Receiver*> silent_readers_;
-  std::set<GuidPrefix> closed_;            ///< those in the keeper that have announced DDS Security
+  std::set<GuidPrefix> closed_;            ///< those in `keeper_` that have announced DDS Security
   std::atomic<bool> has_returned_{false};  ///< `returned_` is not empty; readable without the lock
 
-  std::atomic<bool> has_begun_{false};  ///< or the library gave up before that
+  std::atomic<bool> has_begun_{false};  ///< begin() was called, or a channel has closed
   /// Serialises announcements and removals of participants. A participant announces itself on
-  /// several channels. The library immediately ignores the second announcement while another thread
-  /// is still processing the first, and so would ignore what the participant sends next. It also
-  /// goes on processing a participant that it adds after releasing its lock, so a removal must wait
-  /// for that (Fast DDS 2.9 and 3.1; 3.1 works on a copy and could bring back the endpoints of a
+  /// several channels. The library drops the second announcement while another thread is still
+  /// processing the first, and would then also ignore what the participant sends next. When it adds
+  /// a participant, it continues to process it after releasing its lock, so a removal must wait for
+  /// that (Fast DDS 2.9 and 3.1; 3.1 works on a copy and could bring back the endpoints of a
   /// participant that has just been removed).
   std::mutex announcing_;
 
   DeletionGate deletions_;   ///< taken before all locks of this class except `keeper_mutex_`
-  std::mutex handing_over_;  ///< held while a removal goes through a channel
+  std::mutex handing_over_;  ///< held while a datagram made by the guard goes through a channel
   std::mutex channels_mutex_;
   std::map<Locator, Receiver*> channels_;
 

@@ -26,7 +26,7 @@ bool GuardTransport::OpenOutputChannel(eprosima::fastdds::rtps::SendResourceList
   return ChainingTransport::OpenOutputChannel(sockets, to);
 }
 
-/// Leaves everything but UDP addresses to its own transport.
+/// Addresses other than UDP count as announced: the transport of the library handles them.
 bool GuardTransport::is_announced(const Locator& to) {
   if (to.kind != LOCATOR_KIND_UDPv4) return true;
   const std::shared_lock lock(announced_mutex_);

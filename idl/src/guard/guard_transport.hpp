@@ -27,7 +27,7 @@ struct GuardedTransport final : eprosima::fastdds::rtps::ChainingTransportDescri
 
   std::shared_ptr<Guard> guard;
   std::shared_ptr<const HostNames>
-      names;                             ///< none: the library sends to addresses that it announces
+      names;  ///< null: the library sends only to addresses that it has announced
   std::chrono::microseconds coalescing;  ///< NetworkSettings::receive_coalescing
 };
 
@@ -76,8 +76,8 @@ class GuardTransport final : public ObservingTransport {
 };
 
 /// `Descriptor` with a guard in front of the transport that it creates. Derived from `Descriptor`
-/// because Fast DDS 2.9 and 3.1 check whether a description is one of shared memory, which a
-/// GuardedTransport is not.
+/// because Fast DDS 2.9 and 3.1 check by the type of a descriptor whether it is one of shared
+/// memory, and a GuardedTransport is not.
 template <typename Descriptor>
 class Guarded final : public Descriptor {
  public:

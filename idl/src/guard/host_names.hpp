@@ -21,10 +21,10 @@ namespace vdrive::wire {
 /// the present addresses of the name. The same applies to datagrams for a former address of a
 /// server: Fast DDS 2.9 answers a server that has moved at its previously announced address
 /// (PDPClient::removeRemoteEndpoints). These datagrams leave from sockets of this object, because
-/// those of the library keep statistics by address, and Debian's build of 2.9 crashes at an address
-/// that was never announced to it (OutputTrafficManager::set_statistics_message_data). The library
-/// itself sends to such an address, on the host of a discovery server that it has given up.
-/// Thread-safe.
+/// the library keeps statistics by address, and Debian's build of 2.9 crashes at an address that
+/// was never announced to it (OutputTrafficManager::set_statistics_message_data). The library
+/// breaks this rule itself: it sends to such an address on the host of a discovery server that it
+/// has given up. Thread-safe.
 class HostNames {
  public:
   using Addresses = std::vector<std::string>;
@@ -42,7 +42,7 @@ class HostNames {
   /// How long start() waits for the first answers.
   static constexpr std::chrono::milliseconds kFirstAnswer{500};
 
-  /// @param resolver may take any time; the default is that of the system
+  /// @param resolver may take any time; by default that of the system
   explicit HostNames(Resolver resolver = system_answer);
 
   /// A look-up in progress continues without this object.

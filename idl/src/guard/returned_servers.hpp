@@ -16,12 +16,12 @@ namespace vdrive::wire {
 /// A server has the same prefix after a restart, even on another host, so the library takes it for
 /// the one that it knows: its reader waits for numbers after those of the former server, and its
 /// writers do not resend what the former server acknowledged (PDPClient of Fast DDS 2.9 and 3.1).
-/// The two would never find each other. So nothing of a server whose heartbeats or acknowledgements
-/// count from the start again reaches the library until the lease of the former server has ended
-/// and the library has given it up.
+/// The two would never find each other. So once the counts in a server's heartbeats or
+/// acknowledgements start again, nothing from it reaches the library until the lease of the former
+/// server has ended and the library has given it up.
 ///
-/// Only servers that the library knows are followed: there are few, and each is lost at some time.
-/// Time is an argument. Not thread-safe.
+/// Only servers that the library knows are followed, so that memory is bounded. Time is an
+/// argument. Not thread-safe.
 class ReturnedServers {
  public:
   using Clock = std::chrono::steady_clock;
@@ -58,7 +58,7 @@ class ReturnedServers {
     return false;
   }
 
-  /// @return whether the prefix is that of a server: both libraries start it this way
+  /// @return whether the prefix is that of a server: Fast DDS 2.9 and 3.1 start it this way
   ///         (get_server_client_default_guidPrefix, and fastdds discovery without an id).
   [[nodiscard]] static bool is_server(const GuidPrefix& participant) noexcept {
     return participant[0] == 'D' && participant[1] == 'S';

@@ -39,7 +39,7 @@ enum class SubmessageKind : std::uint8_t {
   sec_postfix = 0x32,
   srtps_prefix = 0x33,
   srtps_postfix = 0x34,
-  statistics = 0x80,  ///< Fast DDS; other vendors have other kinds there
+  statistics = 0x80,  ///< of Fast DDS; for other vendors another kind
 };
 
 /// @return whether the kind is one of DDS Security 1.1, section 7.3.6: encrypted or signed parts.
@@ -90,7 +90,7 @@ inline constexpr ParameterId kTypeInformation = 0x0075;
 inline constexpr ParameterId kIdentityToken = 0x1001;
 inline constexpr ParameterId kParticipantSecurity = 0x1005;
 inline constexpr ParameterId kPermissionsToken = 0x1002;
-inline constexpr ParameterId kDataSharing = 0x8006;  ///< Fast DDS; differs for other vendors
+inline constexpr ParameterId kDataSharing = 0x8006;  ///< of Fast DDS; for other vendors another one
 
 /// Reads consecutive numbers. A number past the end is 0 and makes `ok` false.
 class ByteReader {
@@ -341,11 +341,11 @@ inline constexpr std::size_t kDataFixed = 16;
 ///        DATA_FRAG
 [[nodiscard]] DataSubmessage parse_data(const Submessage& submessage, std::size_t fixed) noexcept;
 
-/// @return whether the library may treat it as the announcement of a participant.
+/// @return whether the library may treat the DATA as the announcement of a participant.
 [[nodiscard]] bool may_announce(const Submessage& submessage, const DataSubmessage& data) noexcept;
 
-/// @return whether the library may treat it as discovery; its content has then passed the check.
-///         Other content belongs to a program and must not be changed.
+/// @return whether the library may treat the DATA as discovery; its content has then passed the
+///         check. Other content belongs to a program and must not be changed.
 [[nodiscard]] bool is_discovery(const Submessage& submessage, const DataSubmessage& data) noexcept;
 
 /// @param datagram the one that contains `submessage`, or a copy of it

@@ -49,7 +49,7 @@ bool is_of_key_exchange(ByteView prefix) {
          std::equal(kTransform.begin(), kTransform.end(), prefix.begin());
 }
 
-/// Parses the types of DDS Security, 7.2: texts, properties and the tokens composed of them.
+/// Parses the types of DDS Security, 7.2: strings, properties and the tokens composed of them.
 class TokenReader {
  public:
   TokenReader(ByteView bytes, bool little) noexcept : input_(bytes, little) {}
@@ -61,7 +61,7 @@ class TokenReader {
     return input_.ok();
   }
 
-  /// A text or byte sequence: its length, then that many bytes, padded to four.
+  /// A string or byte sequence: its length, then that many bytes, padded to four.
   [[nodiscard]] bool field(ByteView& out) noexcept {
     const std::uint32_t length = input_.u32();
     if (!input_.ok() || length > input_.left()) return false;
@@ -71,8 +71,8 @@ class TokenReader {
     return true;
   }
 
-  /// @param take called with name and value of each element @return whether all elements were
-  ///        complete
+  /// @param take called with name and value of each element
+  /// @return whether all elements were complete.
   template <typename Take>
   [[nodiscard]] bool pairs(const Take& take) noexcept {
     const std::uint32_t count = input_.u32();
@@ -107,7 +107,8 @@ class TokenReader {
   ByteReader input_;
 };
 
-/// @return whether it is the participant data, which the library reads as an announcement.
+/// @return whether the property is the participant data, which the library reads as an
+///         announcement.
 bool is_participant_data(ByteView name) {
   constexpr std::string_view kName = "c.pdata";
   return name.size() > kName.size() &&

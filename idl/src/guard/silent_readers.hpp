@@ -46,7 +46,7 @@ namespace vdrive::wire {
 /// it has sent nothing for kPatienceWithVdrive. Without a server the guard removes a participant
 /// after the same time, and its samples are dropped too.
 ///
-/// Only participants that the library knows are followed, and only endpoints of programs. Time is
+/// Only participants that the library knows are followed, and not their built-in endpoints. Time is
 /// an argument. Not thread-safe.
 /// @tparam Channel on which a reader acknowledges
 template <typename Channel>

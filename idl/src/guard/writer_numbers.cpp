@@ -42,7 +42,8 @@ void add_to_numbers(std::vector<std::uint8_t>& copy, ByteView datagram,
   }
 }
 
-/// INFO_SRC gives the participant that the rest is from, INFO_DST the one that it is for.
+/// INFO_SRC names the participant that the rest of a datagram is from, INFO_DST the one that it is
+/// for.
 void read_prefix(const Submessage& submessage, SubmessageKind kind, std::size_t offset,
                  GuidPrefix& participant) {
   if (submessage.kind != kind) return;
@@ -136,8 +137,8 @@ bool WriterNumbers::is_plausible(const Numbers& numbers, const Writer& writer) {
 }
 
 bool WriterNumbers::has_jumped(const Numbers& numbers, Writer& writer, Clock::time_point now) {
-  // Its first heartbeat was lost, and the library has read its large numbers unchanged. A heartbeat
-  // that does not fit the data is doubted like any other.
+  // If the first heartbeat of a writer was lost, the library has read its large numbers unchanged.
+  // A heartbeat that does not fit the data is doubted like any other.
   const bool fits_data =
       numbers.last <= writer.highest + kReach && numbers.last + kReach >= writer.highest;
   if (!writer.is_reliable && !numbers.is_data() && fits_data) return true;

@@ -21,8 +21,8 @@ namespace vdrive::wire {
 /// (StatefulReader::NotifyChanges of Fast DDS 2.9 and 3.1), in Debian's build of 2.9 with a system
 /// call for each. A new reader starts at 0. Therefore
 /// - a number far from all that its writer has sent is refused;
-/// - if a writer has sent many samples before it is first heard, the library reads smaller numbers:
-///   they start at 1 with the oldest sample that the writer still had. In the library's
+/// - if a writer has sent many samples before it is first heard, the library gets smaller numbers,
+///   which start at 1 with the oldest sample that the writer still had. In the library's
 ///   acknowledgements the writer's own numbers are restored.
 ///
 /// Only participants that the library knows are followed; it ignores writers of others. Time is an
@@ -43,9 +43,9 @@ class WriterNumbers {
   /// How many numbers the library may be made to skip per second, over all writers.
   static constexpr std::int64_t kSkippedInASecond = 4 * kReach;
   static constexpr std::size_t kMostWriters = 256;  ///< per participant
-  /// A writer that is implausible for this long, and never plausible in between, really has skipped
-  /// the numbers: this program was stopped. A single implausible datagram is forgotten after
-  /// kMemory.
+  /// A writer that is implausible for this long, and never plausible in between, really has sent
+  /// the skipped numbers, while this program was stopped. A single implausible datagram is
+  /// forgotten after kMemory.
   static constexpr std::chrono::milliseconds kDoubt{500};
   static constexpr std::chrono::seconds kMemory{5};
 
@@ -80,7 +80,7 @@ class WriterNumbers {
     /// All numbers up to here are processed by the library: acknowledged or skipped.
     std::int64_t done = 0;
     bool is_reliable = false;     ///< it has sent heartbeats or gaps
-    Clock::time_point doubted{};  ///< first of its implausible datagrams; 0 = none
+    Clock::time_point doubted{};  ///< time of its first implausible datagram; 0 = none
   };
 
   using Writers = std::map<EntityId, Writer>;

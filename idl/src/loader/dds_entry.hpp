@@ -5,12 +5,12 @@
 
 namespace vdrive::wire {
 
-/// The only function exported by the shared object of the DDS participants; its name and type.
+/// Type and name of the only function that the shared object of the DDS participants exports.
 using DdsEntry = ParticipantMaker() noexcept;
 inline constexpr const char* kDdsEntry = "vdrive_dds_entry";
 
-/// The only text exported, a const char* that identifies the build. The loader compares it with its
-/// own VDRIVE_DDS_BUILD before it calls anything.
+/// Name of the only exported variable, a const char* that identifies the build. The loader compares
+/// it with its own VDRIVE_DDS_BUILD before it calls anything.
 inline constexpr const char* kDdsBuild = "vdrive_dds_build";
 
 }  // namespace vdrive::wire

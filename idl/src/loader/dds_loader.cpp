@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// DDS participants for a module that must not load the DDS library before it is needed: loads them
+// DDS participants for a module that must not load the DDS library before it is needed: they come
 // from a shared object next to the module.
 #include "loader/dds_entry.hpp"
 #include "network_participant.hpp"
@@ -45,8 +45,8 @@ void require_same_build(void* library, const std::filesystem::path& file) {
                      "\". Install both from one build; a bench in this process needs no DDS");
 }
 
-/// Each file has its own copy of the code that both contain, so that code must not keep state that
-/// both use. Never unloaded, because the library has threads.
+/// The module and the shared object each have their own copy of the code that both contain, so that
+/// code must not keep state for both. Never unloads it, because the DDS library has threads.
 ParticipantMaker load() {
   const std::filesystem::path file = own_file().parent_path() / kFile;
   void* const library = dlopen(file.c_str(), RTLD_NOW | RTLD_LOCAL | RTLD_NODELETE);

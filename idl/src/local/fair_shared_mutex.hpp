@@ -8,8 +8,8 @@ namespace vdrive::wire {
 
 /// A shared mutex that gives a thread waiting for exclusive ownership its turn: later shared owners
 /// wait. With the shared mutex of the C library, later shared owners overtake the waiting thread,
-/// which never gets its turn as long as there is always a shared owner. A thread must not share it
-/// twice. For std::scoped_lock and std::shared_lock.
+/// which never gets its turn as long as there is always a shared owner. A thread that shares it
+/// must not lock it again. For std::scoped_lock and std::shared_lock.
 class FairSharedMutex {
  public:
   void lock() {

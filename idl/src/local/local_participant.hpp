@@ -48,20 +48,20 @@ struct LocalBus::Parts {
 
   const Origin origin;
 
-  std::mutex counting;  ///< held alone, because handlers call functions that lock it
+  std::mutex counting;  ///< handlers lock it too, so no lock is taken while it is held
   std::vector<const LocalParticipant*> participants;
-  /// Sources of the participants: each call of a session checks that its bench is there.
-  std::vector<SourceKey> sources;  ///< in ascending order
+  /// Sources of the participants, sorted: each call of a session looks up its bench here.
+  std::vector<SourceKey> sources;
 
   FairSharedMutex members;
   std::array<std::vector<LocalReader*>, kTopics.size()> readers;
   std::array<std::vector<LocalWriter*>, kTopics.size()> writers;
 
-  std::mutex joining;  ///< no other lock is taken with it
+  std::mutex joining;  ///< no lock is taken while it is held
   std::map<std::pair<ClockOfBench, std::uint64_t>, std::uint64_t>
       joined_threads;  ///< by clock and session
 
-  std::mutex placing;                                      ///< no other lock is taken with it
+  std::mutex placing;                                      ///< no lock is taken while it is held
   std::map<std::uint32_t, std::shared_ptr<Place>> places;  ///< by bench
 };
 
@@ -138,7 +138,7 @@ class LocalWriter final : public SampleWriter {
 
   bool wait_for_acknowledged(std::chrono::milliseconds /*timeout*/) override { return true; }
 
-  // With exclusive ownership of `members`:
+  // Require exclusive ownership of `members`:
   void match(const LocalReader& reader);
   void unmatch(const LocalReader& reader);
   void replay(LocalReader& reader) const;

@@ -25,7 +25,7 @@ namespace {
 namespace dds = wire::dds;
 namespace rtps = wire::rtps;
 
-// As usual for ROS 2 nodes.
+// The usual depth in ROS 2.
 constexpr std::int32_t kDepth = 10;
 // For /rosout: messages that a node still receives when it joins late.
 constexpr std::int32_t kDepthForLate = 100;

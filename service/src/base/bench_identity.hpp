@@ -8,7 +8,7 @@ namespace vdrive::service {
 /// Identity of one run of a bench on the network.
 struct BenchIdentity {
   std::uint32_t bench = 0;
-  std::uint64_t incarnation = 0;  ///< start of the service [ns since the epoch]
+  std::uint64_t incarnation = 0;  ///< start of the service [ns since 1970]
 };
 
 }  // namespace vdrive::service

@@ -63,8 +63,7 @@ class TickNumber {
 
   [[nodiscard]] std::uint64_t get() const noexcept { return tick_.load(std::memory_order_acquire); }
 
-  /// Reads in the opposite order of jump(), so that a jump in between shows as two different
-  /// counts.
+  /// Reads in the reverse order of jump(), so that a jump in between shows as two different counts.
   [[nodiscard]] Reading read() const noexcept {
     while (true) {
       const std::uint64_t skipped = ended_.load(std::memory_order_acquire);
@@ -79,8 +78,8 @@ class TickNumber {
   std::atomic<std::uint64_t> ended_{0};
 };
 
-/// Counts refusals by reason (REASON_... or a CiA 301 abort code). The slots are fixed: there are
-/// more of them than reasons.
+/// Counts refusals by reason (REASON_... or a CiA 301 abort code). The number of slots is fixed and
+/// larger than the number of reasons.
 class RefusalCounters {
  public:
   struct Count {
@@ -143,8 +142,8 @@ struct Counters {
   Counter axis_samples_sent;
   Counter events_sent;
   Counter queue_overflows;
-  Counter status_images_lost;   ///< part of `queue_overflows`: before the status thread
-  Counter status_samples_lost;  ///< part of `queue_overflows`: before the wire
+  Counter status_images_lost;   ///< part of `queue_overflows`: on the way to the status thread
+  Counter status_samples_lost;  ///< part of `queue_overflows`: on the way to the wire
   Counter malformed;            ///< received samples that could not be decoded
   Counter wire_starts;          ///< wires started, including the first one
   Gauge<> wire_is_up;           ///< 1 while the wire runs
@@ -161,7 +160,7 @@ struct Counters {
   Gauge<> steppers;            ///< lock-step: sessions that joined the clock
   Gauge<> slowest_stepper;     ///< session that granted the fewest ticks, 0 = none
   Counter wall_steps;          ///< steps of the wall clock that were detected
-  Gauge<double> wall_offset;   ///< of the wall clock ahead of drive time [s]
+  Gauge<double> wall_offset;   ///< by which the wall clock is ahead of drive time [s]
 
   /// Counts a tick that started `late` after its due time.
   void count_lateness(std::chrono::nanoseconds late) noexcept {

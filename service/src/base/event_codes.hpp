@@ -3,7 +3,7 @@
 
 #include <cstdint>
 
-/// The codes of events that can report several things. The comments name the detail of the event
+/// The codes of events that can mean several things. The comments also name the detail of the event
 /// (event_record.hpp), if it has one.
 namespace vdrive::service {
 

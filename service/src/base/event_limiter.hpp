@@ -19,8 +19,8 @@ struct CountedEvent {
   std::uint64_t suppressed = 0;
 };
 
-/// Passes a limited rate of equal events and counts the rest. Two events are equal if their kind,
-/// axis, code and session are.
+/// Limits the rate of equal events and of all events together, and counts the rest. Two events are
+/// equal if their kind, axis, code and session are.
 class EventLimiter {
  public:
   /// How long equal events are counted together; see flush().

@@ -33,7 +33,7 @@ void begin_child() noexcept;
 
 /// Never destroyed: another thread may fork while the process ends.
 LockedFiles& locked_files() {
-  // NOLINTNEXTLINE(*-avoid-non-const-global-variables): of the process, as its files are
+  // NOLINTNEXTLINE(*-avoid-non-const-global-variables): one per process, like its locks
   static LockedFiles* const only = [] {
     ::pthread_atfork(begin_fork, end_fork, begin_child);
     return new LockedFiles;  // NOLINT(cppcoreguidelines-owning-memory): on purpose, see above

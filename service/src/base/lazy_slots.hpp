@@ -20,7 +20,7 @@ class LazySlots {
   explicit LazySlots(std::size_t capacity)
       : capacity_(capacity),
         pages_(capacity * sizeof(Slot)),
-        // NOLINTNEXTLINE(*-reinterpret-cast): a page begins where any object may
+        // NOLINTNEXTLINE(*-reinterpret-cast): a page is aligned for any object
         slots_(reinterpret_cast<Slot*>(pages_.memory().data())) {}
 
   ~LazySlots() { std::destroy_n(slots_, made_); }

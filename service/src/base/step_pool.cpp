@@ -14,8 +14,8 @@ namespace vdrive::service {
 namespace {
 
 // Long enough that threads do not sleep between two rounds of a bench in freerun, or while the
-// slowest part of a round is finished. A sleeping thread takes 5 to 50 us to wake, and waking it
-// costs a system call.
+// slowest part of a round finishes. A sleeping thread takes 5 to 50 us to wake, and waking it costs
+// a system call.
 constexpr std::chrono::microseconds kLongestSpin{50};
 constexpr int kLooksPerReadingOfTheClock = 64;
 

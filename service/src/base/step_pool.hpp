@@ -17,7 +17,7 @@ namespace vdrive::service {
 /// sleep.
 class StepPool {
  public:
-  /// @param threads including the calling one, at least 1; the pool uses no more than the bank has
+  /// @param threads including the calling one, at least 1; no more are used than the bank has
   ///        groups
   StepPool(AxisBank& bank, std::size_t threads);
   ~StepPool();
@@ -43,7 +43,7 @@ class StepPool {
 
   /// Gives the threads the scheduling policy and priority of the calling thread. If that is a
   /// realtime policy and the process has exactly one processor per thread, each thread is bound to
-  /// its own.
+  /// one of them.
   void schedule_as_caller() noexcept;
 
   [[nodiscard]] std::size_t threads() const noexcept { return parts_; }

@@ -18,7 +18,7 @@ namespace vdrive::service {
 template <typename Item, std::size_t kMost>
 class StoredList {
  public:
-  // NOLINTNEXTLINE(modernize-use-equals-default,*-member-init): it leaves the room as it is
+  // NOLINTNEXTLINE(modernize-use-equals-default,*-member-init): the storage stays uninitialised
   StoredList() noexcept {}
 
   ~StoredList() { std::destroy_n(room(), made_); }
@@ -57,7 +57,7 @@ class StoredList {
     return room()[size_++];
   }
 
-  // NOLINTBEGIN(cppcoreguidelines-pro-type-reinterpret-cast): room for items, made one by one
+  // NOLINTBEGIN(cppcoreguidelines-pro-type-reinterpret-cast): storage, filled item by item
   [[nodiscard]] Item* room() noexcept { return reinterpret_cast<Item*>(room_.data()); }
 
   [[nodiscard]] const Item* room() const noexcept {

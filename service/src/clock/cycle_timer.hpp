@@ -5,7 +5,7 @@
 
 namespace vdrive::service {
 
-/// The only source of time for the realtime clock; a test replaces it.
+/// The only source of time for the realtime clock; tests replace it.
 class CycleTimer {
  public:
   CycleTimer() = default;
@@ -16,7 +16,7 @@ class CycleTimer {
   /// @return time that never jumps, since an arbitrary start.
   [[nodiscard]] virtual std::chrono::nanoseconds monotonic_now() noexcept = 0;
 
-  /// @return time since the epoch.
+  /// @return time since 1970.
   [[nodiscard]] virtual std::chrono::nanoseconds wall_now() noexcept = 0;
 
   /// Returns at or after the monotonic time `deadline`.

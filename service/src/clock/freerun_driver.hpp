@@ -9,7 +9,8 @@
 
 namespace vdrive::service {
 
-/// Runs a bench as fast as possible. `cycle` takes no lock, allocates nothing and does not wait.
+/// Runs a bench as fast as possible. `cycle` takes no lock and does not wait. Only some requests
+/// allocate.
 class FreerunDriver {
  public:
   /// The interval of status images in wall time. An image is left out while the previous one waits
@@ -18,8 +19,7 @@ class FreerunDriver {
 
   FreerunDriver(BenchEngine& engine, Inbox& inbox, Outbox& outbox, CycleTimer& timer);
 
-  /// Handles all arrivals and runs one tick. Some requests allocate; if memory runs out, the
-  /// service ends.
+  /// Handles all arrivals and runs one tick. If memory runs out, the service ends.
   void cycle() noexcept;  // NOLINT(bugprone-exception-escape)
 
  private:

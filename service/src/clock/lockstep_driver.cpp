@@ -6,7 +6,7 @@
 namespace vdrive::service {
 namespace {
 
-/// Answers to stores and frames are delivered also during a long step.
+/// Answers to stores and frames are also delivered during a long step, at this interval.
 constexpr std::uint64_t kTicksPerDelivery = 64;
 
 }  // namespace
@@ -154,7 +154,7 @@ void LockstepDriver::remove_absent(Clock::time_point now) {
   });
 }
 
-/// Limits the status frames during a long step by wall time.
+/// Limits the rate of status frames during a long step, in wall time.
 bool LockstepDriver::may_publish() {
   shown_ticks_.refill(Clock::now().time_since_epoch());
   return shown_ticks_.take();

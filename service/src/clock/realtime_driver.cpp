@@ -40,7 +40,7 @@ void RealtimeDriver::cycle() noexcept {
   }
 }
 
-/// Follows a rate that a request has set. The tick that was due now is rescheduled to that rate.
+/// Follows a rate that a request has set. The tick that was due now is rescheduled at that rate.
 void RealtimeDriver::change_rate() noexcept {
   rate_ = engine_.rate();
   const Instant now{timer_.monotonic_now(), timer_.wall_now()};

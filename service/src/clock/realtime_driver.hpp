@@ -14,8 +14,8 @@
 
 namespace vdrive::service {
 
-/// Runs a bench by the wall clock. `cycle` takes no lock, does not allocate, and makes no system
-/// call except its wait.
+/// Runs a bench by the wall clock. `cycle` takes no lock and makes no system call except its wait.
+/// Only some requests allocate.
 class RealtimeDriver {
  public:
   /// The maximum number of arrivals handled in one tick; the others wait for the next tick.

@@ -14,8 +14,8 @@ namespace vdrive::service {
 /// power.
 class Shutdown {
  public:
-  /// Wall time since the request. The rest of the 2 s that a service has to end is for announcing
-  /// its end.
+  /// Wall time since the request. A service must end within 2 s; the rest is for announcing its
+  /// end.
   static constexpr std::chrono::milliseconds kLongestRamp{1000};
   static constexpr std::chrono::milliseconds kLongest{1500};
 

@@ -7,7 +7,7 @@
 namespace vdrive::service {
 namespace {
 
-/// An offset is steered away within this many ticks, unless the limit of steering is reached.
+/// Each tick corrects 1 / kSteeringHorizon of the offset, within the limit of steering.
 constexpr double kSteeringHorizon = 200.0;
 
 }  // namespace
@@ -63,8 +63,8 @@ std::uint64_t TickClock::skip_backlog(std::chrono::nanoseconds monotonic_now) no
 }
 
 /// @return the wall time of the deadline minus the wall time at which this tick should have begun.
-/// Computed in integers, which are exact; a double would round the time since the epoch to a
-/// quarter of a microsecond.
+///         Computed in integers, which are exact; a double would round the time since 1970 to a
+///         quarter of a microsecond.
 double TickClock::read_offset(const Instant& now) const noexcept {
   const auto due = static_cast<std::int64_t>(deadline_) + (now.wall - now.monotonic).count();
   const auto begin =

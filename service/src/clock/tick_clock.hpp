@@ -12,7 +12,7 @@ namespace vdrive::service {
 /// One instant on the monotonic and on the wall clock.
 struct Instant {
   std::chrono::nanoseconds monotonic{0};
-  std::chrono::nanoseconds wall{0};  ///< since the epoch
+  std::chrono::nanoseconds wall{0};  ///< since 1970
 };
 
 /// A step of the wall clock.
@@ -31,11 +31,12 @@ struct WallStep {
 /// If the offset between wall clock and drive time grows by more than 10 ms, faster than 2,000 ppm,
 /// the wall clock was stepped: synchronised clocks agree within 1 ms, and the drift of a crystal
 /// and the slewing of a clock together stay below 1,000 ppm. 10 ms is the longest period, so a step
-/// is at least one tick, and takes 20 s to steer away. Three readings in a row must show the step,
-/// because a single one is wrong if the thread is suspended between reading the two clocks.
+/// is at least one tick, and takes at least 20 s to steer away. Three readings in a row must show
+/// the step, because a single one is wrong if the thread is suspended between reading the two
+/// clocks.
 ///
 /// After a pause or a change of the rate the number continues from where it was: tick n then begins
-/// at reference + n x period, and the reference is no longer the epoch.
+/// at reference + n x period, and the reference is no longer the start of 1970.
 class TickClock {
  public:
   static constexpr std::uint64_t kMaxBacklog = 100;

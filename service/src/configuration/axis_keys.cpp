@@ -103,7 +103,7 @@ void check_model(const YamlValue& value, NamedAxis& axis) {
 
 // ---- parameters --------------------------------------------------------------------------------
 
-/// @return the row that `key` names by variable_name, name of the standard or address.
+/// @return the row that `key` names by variable_name, name in the standard or address.
 ObjectRow row_named(const std::string& key, const YamlValue& value) {
   const auto object = parse_object(key);
   const auto row = object ? find_object(*object) : std::nullopt;
@@ -167,8 +167,8 @@ void check_direction(const std::map<ObjectAddress, PlacedValue>& values) {
       "max_position_range_limit (607Bh:2)");
 }
 
-/// Moves the range (607Bh) to the front: it makes the modulo axis, which accepts bits 6 and 7 of
-/// 60F2h.
+/// Moves the range (607Bh) to the front: it makes the axis a modulo axis, and only that accepts
+/// bits 6 and 7 of 60F2h.
 void put_range_first(std::vector<InitialValue>& parameters) {
   constexpr std::uint16_t kRange = kObjectRows["min_position_range_limit"_object].address.index;
   const auto is_of_range = [](const InitialValue& parameter) {
@@ -181,7 +181,7 @@ void put_range_first(std::vector<InitialValue>& parameters) {
   parameters = std::move(ordered);
 }
 
-/// @return what a write of an object does apart from keeping its value; empty if nothing.
+/// @return what writing an object does besides setting its value; empty if nothing.
 std::string_view effect_of(const ObjectDescription& object) {
   if (object.role == Role::command) return "commands the axis";
   if (object.change == Change::memory) return "stores or restores parameters";

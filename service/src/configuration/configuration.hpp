@@ -47,7 +47,7 @@ struct NamedAxis {
 /// Where the wire runs. The wire is the part of the service that handles DDS.
 enum class WireForm : std::uint8_t {
   process,  ///< in a separate process: the engine survives its failure and restarts it
-  thread,   ///< in threads of the service: one hop less, but its failure ends the service
+  thread,   ///< in threads of the service: one hop fewer, but its failure ends the service
 };
 
 [[nodiscard]] constexpr std::string_view to_string(WireForm form) noexcept {
@@ -92,7 +92,8 @@ struct Configuration {
 [[nodiscard]] std::vector<NamedAxis> default_axes(std::size_t count);
 
 /// Checks a configuration after command-line options have changed it.
-/// @throws ConfigurationError if a value is outside the limits above
+/// @throws ConfigurationError if a value is outside the limits above, or if a wire in a separate
+///         process would have to use shared memory
 void check(const Configuration& configuration);
 
 /// @param key of the section `clock`

@@ -15,7 +15,7 @@
 namespace vdrive::service {
 namespace {
 
-/// Tries each axis in a bank of its own, because the bank checks rules that involve several values.
+/// Tries each axis in a separate bank, because the bank checks rules that involve several values.
 void try_axes(const ParsedAxes& parsed, std::chrono::microseconds period) {
   settings::Mistakes mistakes;
   for (const auto& axis : parsed.axes) {

@@ -64,7 +64,7 @@ std::string findings_of(const LoopReport& report, const AxisModel& model) {
   return findings;
 }
 
-/// @return the numbers behind the findings.
+/// @return the numbers that explain the findings.
 std::string reasons_of(const LoopReport& report) {
   std::string reasons =
       "the total inertia is " + three_digits(report.inertia_ratio) + " times the motor inertia";

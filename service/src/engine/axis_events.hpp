@@ -14,7 +14,7 @@
 
 namespace vdrive::service {
 
-/// Reports changes of an axis after a tick: of its state, its faults, its ignored set-points.
+/// Reports after each tick how the axes changed: their states, new faults, ignored set-points.
 class AxisEvents {
  public:
   AxisEvents(BenchAxes& axes, const Masters& masters, FrameSchedule& schedule, BenchEvents& events,

@@ -139,7 +139,7 @@ Reason AxisRequests::stop_axis(std::size_t axis, bool by_halt, std::uint64_t ses
   return AbortCode::none;
 }
 
-/// Makes the session that writes a command object of a free axis its owner.
+/// Writes a command object of a free axis. If it is accepted, the session becomes the owner.
 Reason AxisRequests::write_command_object(std::size_t axis, ObjectRow row, std::int64_t value,
                                           std::uint64_t session) {
   SessionRecord* const record = session == 0 ? nullptr : masters_.admit(session);

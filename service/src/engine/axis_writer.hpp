@@ -9,7 +9,7 @@
 
 namespace vdrive::service {
 
-/// Writes objects of an axis, among them the controlword. A controlword that begins a halt also
+/// Writes objects of an axis, including the controlword. A controlword that begins a halt also
 /// cancels the frames that wait for the axis. Only writes that may begin a halt need an AxisWriter.
 class AxisWriter {
  public:

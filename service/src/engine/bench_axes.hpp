@@ -99,7 +99,7 @@ class BenchAxes {
 
   void step() { pool_.step(); }
 
-  /// Calls `work(first, last)` for parts of [0, count), which represents the axes in their order.
+  /// Calls `work(first, last)` for parts of [0, count), a range that stands for the axes in order.
   /// If there are enough axes, the parts run in the threads that step these axes.
   /// @param work must not throw
   template <typename Work>
@@ -113,7 +113,7 @@ class BenchAxes {
     }
   }
 
-  /// Called by the thread that will step: gives its scheduling to the threads that help it.
+  /// Called by the thread that will step: gives its scheduling policy and priority to its helpers.
   void schedule_as_caller() noexcept { pool_.schedule_as_caller(); }
 
   void record_tick(std::uint64_t tick);

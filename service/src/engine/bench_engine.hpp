@@ -34,8 +34,8 @@ namespace vdrive::service {
 
 /// The bench without clock and network: carries out arrivals, steps the axes, and puts answers,
 /// events and images into the outbox. Belongs to one thread. It takes no lock and, once warm,
-/// allocates nothing. It owns the classes that do the work and calls them in the order of a tick;
-/// none of these classes knows the engine.
+/// allocates only for some requests. It owns the classes that do the work and calls them in the
+/// order of a tick; none of these classes knows the engine.
 class BenchEngine {
  public:
   /// The last completed tick is 0 until `start_at`.

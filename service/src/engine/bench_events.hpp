@@ -21,7 +21,7 @@ class BenchEvents {
   /// the overflow is counted.
   void report(EventRecord event);
 
-  /// Reports overflows of queues in any thread, as soon as there is room for that event.
+  /// Reports overflows of the queues of all threads, as soon as there is room for the event.
   void report_overflows();
 
   [[nodiscard]] bool has_room() const noexcept { return queue_.size() < queue_.capacity(); }

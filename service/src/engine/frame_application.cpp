@@ -241,7 +241,7 @@ bool FrameApplication::pass_registers(const msg::AxisCommand& command, std::size
 bool FrameApplication::pass_register(std::size_t axis, ObjectRow row, std::int64_t value,
                                      Pass pass) {
   // Refuses the controlword, which has its own member and is applied last, and the objects that
-  // store parameters: they are answered once durable, but frames are answered immediately.
+  // store parameters: a store is answered once it is durable, a frame immediately.
   const Change change = describe(row).change;
   const bool judges = pass == Pass::judge;
   AbortCode code = AbortCode::cannot_be_mapped_to_pdo;

@@ -62,7 +62,7 @@ class Masters {
   [[nodiscard]] Reason acquire(const msg::Request& request, msg::Reply& reply);
   [[nodiscard]] Reason release(const msg::Request& request, msg::Reply& reply);
 
-  /// Gives the free axis to a session that wrote a command object of it.
+  /// Gives the free axis to a session that wrote one of its command objects.
   void give(std::size_t axis, SessionRecord& record);
 
   /// Takes all axes from a session that was silent for `silence` of drive time; the axes react to

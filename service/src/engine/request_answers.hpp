@@ -35,8 +35,7 @@ class RequestAnswers {
   /// @return whether `open` has room for an answer.
   [[nodiscard]] bool has_room() const noexcept { return queue_.size() < queue_.capacity(); }
 
-  /// @return the place of the next answer, or nullptr if the queue is full; the overflow is
-  /// counted.
+  /// @return the place of the next answer; nullptr if the queue is full, which is counted.
   [[nodiscard]] OutgoingReply* open();
 
   /// Fills the head of an answer, without results.
@@ -60,7 +59,7 @@ class RequestAnswers {
   /// Notes the arrival of a request whose fate was unknown.
   void take(const msg::Request& request);
 
-  /// Resends the answer to a request whose fate is `answered`.
+  /// Resends the answer to a request; refuses the request if the answer is no longer kept.
   void repeat(const Arrival& arrival);
 
   /// Adds the status of the axes in the request, all of which must exist.

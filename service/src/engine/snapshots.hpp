@@ -18,8 +18,8 @@
 
 namespace vdrive::service {
 
-/// Saved states of all axes, taken and restored by request. A restore sets back the state, but not
-/// the time. Each function returns REASON_NONE, or why the request is refused.
+/// Saved states of all axes, taken and restored by request. A restore brings back the state, but
+/// not the time. Each function returns REASON_NONE, or why the request is refused.
 class Snapshots {
  public:
   /// A limit is needed because each snapshot holds the state of all axes, and a client might never
@@ -29,7 +29,7 @@ class Snapshots {
   Snapshots(BenchAxes& axes, const BenchClock& clock, const Masters& masters,
             FrameSchedule& schedule, BenchOutput& output, BenchEvents& events, Counters& counters);
 
-  /// Allocates. Only this request may, because time stands still and no tick is due.
+  /// Allocates, as does `restore`. That is harmless: time stands still, so no tick is due.
   [[nodiscard]] Reason take(const msg::Request& request, msg::Reply& reply);
   [[nodiscard]] Reason restore(const msg::Request& request, msg::Reply& reply);
   [[nodiscard]] Reason drop(const msg::Request& request, msg::Reply& reply);

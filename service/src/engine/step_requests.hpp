@@ -40,7 +40,7 @@ enum class ReaderState : std::uint8_t {
 /// is answered in the tick that its session waits for; other requests are carried out in the
 /// meantime.
 ///
-/// Wall time is an argument. Not thread-safe.
+/// The caller passes the wall time. Not thread-safe.
 class StepRequests {
  public:
   using Time = StepperTable::Time;
@@ -90,7 +90,8 @@ class StepRequests {
   /// @return how many ticks may pass before the next step has to be answered.
   [[nodiscard]] std::uint64_t ticks_to_run(Time now);
 
-  /// Call before each of these ticks: notes that the sessions that step are alive.
+  /// Call it before each tick that `ticks_to_run` has allowed: notes that the sessions that step
+  /// are alive.
   void begin_tick();
 
   /// Answers each step whose tick is reached or that has waited too long.

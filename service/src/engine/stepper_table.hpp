@@ -27,13 +27,13 @@ struct Stepper {
 };
 
 /// The sessions that joined the clock of a lock-step bench: time advances to the smallest of their
-/// grants. Wall time is an argument. Not thread-safe.
+/// grants. The caller passes the wall time. Not thread-safe.
 class StepperTable {
  public:
   using Time = Stepper::Time;
 
-  /// A stepper counts as silent if for this long others have waited for it and nothing has arrived
-  /// from it.
+  /// A stepper counts as silent if others have waited for it this long, and it has sent nothing in
+  /// that time.
   static constexpr std::chrono::seconds kLongestSilence{10};
 
   /// @param awaited how many steppers must join before time passes, 0 to kMaxSteppers

@@ -17,8 +17,8 @@ using namespace vdrive::literals;
 
 constexpr std::size_t kNoObject = msg::MAX_OBJECTS_PER_REQUEST;
 constexpr std::size_t kMostWaiting = 1'024;
-// The orders of a batch are done at the same time; each tick takes a part of them, so that no tick
-// is late.
+// All orders of a batch become durable together; each tick handles only a few, so that no tick is
+// late.
 constexpr std::size_t kOrdersPerTick = 4;
 
 }  // namespace

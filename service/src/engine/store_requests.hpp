@@ -18,7 +18,7 @@
 
 namespace vdrive::service {
 
-/// Requests that store parameters. Gives orders to the saver, and answers each request when its
+/// Requests that store parameters. Passes orders to the saver, and answers each request when its
 /// orders are durable or have failed.
 class StoreRequests {
  public:

@@ -22,7 +22,7 @@ namespace {
 
 constexpr std::uint64_t kWindowMagic = 0x776F646E69777664ULL;      // "dvwindow"
 constexpr std::uint64_t kHighestNumber = std::uint64_t{1} << 62U;  // of a tick and of a window
-constexpr std::uint64_t kMostTicks = 1'000'000;                    // of a segment: 5 s
+constexpr std::uint64_t kMostTicks = 1'000'000;                    // of a segment, far above 5 s
 constexpr std::uintmax_t kLargestFile = std::uintmax_t{1} << 30U;
 
 /// The header of a file, before the segments.
@@ -206,7 +206,8 @@ void WindowFiles::write(const BlackBox& box, const Window& window) {
   std::vector<std::byte> head;
   put_raw(head, WindowHead{.axes = axes_, .check = check_of(content)});
   const std::filesystem::path name = file(window.number);
-  const std::filesystem::path beside = directory_ / (prefix_ + "new");  // removed at the next start
+  // If a failure leaves this file, the next start removes it.
+  const std::filesystem::path beside = directory_ / (prefix_ + "new");
   {
     std::ofstream stream;
     stream.exceptions(std::ios::failbit | std::ios::badbit);

@@ -17,11 +17,11 @@ using wire::WrittenMark;
 using Item = WindowReplay::Item;
 
 constexpr std::size_t kMostObjects = msg::MAX_OBJECTS_PER_REQUEST;
-/// An entry, preceded by the marks of its tick, its author or session, and its state.
+/// An entry, preceded by up to three marks: its tick, its author and its session.
 constexpr std::size_t kItemWithMarks = 4;
 
-/// @return whether the values of a state list the object. They list every object that may have been
-///         written before that state.
+/// @return whether a state lists the value of the object. It lists every object that may have been
+///         written before it.
 constexpr bool is_shown(const ObjectDescription& row) noexcept {
   return row.access == Access::read_write && row.change != Change::memory;
 }

@@ -13,8 +13,8 @@
 namespace vdrive::service {
 
 /// The last writes to the axes of a bench, accepted or refused, and their authors, as returned by
-/// REQUEST_READ_WRITES. Recording starts with the first of these requests, so a bench that nobody
-/// asks spends no memory. Recording needs no lock, allocation or system call.
+/// REQUEST_READ_WRITES. Recording starts with the first such request, so a bench that never gets
+/// one uses no memory for it. Recording needs no lock, allocation or system call.
 class WriteMemory {
  public:
   /// Holds half a second of writes if 64 axes each get a target and a controlword every
@@ -32,8 +32,8 @@ class WriteMemory {
   /// Sets the last completed tick.
   void set_tick(std::uint64_t tick) noexcept { tick_ = tick; }
 
-  /// Answers with as many entries as fit after the place `request.snapshot`, and with the place of
-  /// the last of them.
+  /// Answers with the entries after place `request.snapshot`, as many as fit, and with the place of
+  /// the last one.
   [[nodiscard]] Reason read(const msg::Request& request, msg::Reply& reply);
 
  private:

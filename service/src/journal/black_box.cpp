@@ -100,7 +100,7 @@ void BlackBox::begin(const AxisBank& bank, std::uint64_t tick) {
   if (is_on()) begin_segment(bank, tick, Segment::Cause::started);
 }
 
-// NOLINTBEGIN(bugprone-exception-escape): all that they fill has its room from the start
+// NOLINTBEGIN(bugprone-exception-escape): everything they fill is reserved at the start
 void BlackBox::record(const JournalEntry& entry, const JournalAuthor& author) noexcept {
   if (!is_recording_) return;
   if (author_ != author) put(box_entry(author));
@@ -140,8 +140,8 @@ void BlackBox::record_tick(const AxisBank& bank, std::uint64_t tick) noexcept {
   if (is_complete(segment)) begin_segment(bank, tick, Segment::Cause::continued);
 }
 
-/// Ends a segment early once it takes a quarter of the room, because dropping it would lose all of
-/// its entries.
+/// Ends a segment early once its entries take a quarter of the blocks: segments are dropped whole,
+/// and dropping a larger one would lose too much of the record.
 bool BlackBox::is_complete(const Segment& segment) const noexcept {
   return segment.ticks >= segment_ticks_ ||
          segment.entries > blocks_.capacity() / 4 * kEntriesOfBlock;
@@ -217,7 +217,7 @@ void BlackBox::hand_over_open(const AxisBank& bank) {
   begin_segment(bank, tick_, Segment::Cause::continued);
 }
 
-/// If the queue is full, the window is not stored elsewhere.
+/// If the queue is full, the window stays in memory only.
 void BlackBox::hand_over(const Window& window) noexcept {
   Window* const slot = handed_over_.free_slot();
   if (slot == nullptr) return;

@@ -34,7 +34,7 @@ struct BoxEntry {
 
   std::int64_t value = 0;
   std::uint32_t code = 0;
-  std::uint16_t axis = 0;  ///< index on the bench; for an event the number; 0 = bench
+  std::uint16_t axis = 0;  ///< index on the bench; for an event, the axis number, 0 = the bench
   ObjectAddress address{};
   Kind kind = Kind::ticks;
   JournalChange::Kind change = JournalChange::Kind::write;
@@ -46,9 +46,8 @@ struct BoxEntry {
 /// tick in between can be recomputed (WindowReplay). The ticks around a fault are kept longer, as a
 /// window.
 ///
-/// Belongs to the thread that steps the bank. It takes no lock, and allocates nothing once its
-/// buffers have grown. Another thread may read the segments of a window between `hold` and
-/// `let_go`.
+/// Belongs to the thread that steps the bank. It takes no lock, and allocates nothing after its
+/// construction. Another thread may read the segments of a window between `hold` and `let_go`.
 class BlackBox {
  public:
   /// A snapshot and everything recorded since, up to the next snapshot.
@@ -83,7 +82,7 @@ class BlackBox {
   /// change, and again when the number of the first tick becomes known.
   void begin(const AxisBank& bank, std::uint64_t tick);
 
-  // NOLINTBEGIN(bugprone-exception-escape): all that they fill has its room from the start
+  // NOLINTBEGIN(bugprone-exception-escape): everything they fill is reserved at the start
   void record(const JournalEntry& entry, const JournalAuthor& author) noexcept;
   /// Records that all axes were set to the state of a snapshot.
   void record_restore(const AxisBank& bank, std::uint64_t tick) noexcept;
@@ -191,7 +190,7 @@ class BlackBox {
   LazySlots<Block> blocks_;
   std::unique_ptr<Segment[]> segments_;  // NOLINT(*-avoid-c-arrays): atomics do not move
   std::vector<std::uint32_t> recent_;    ///< slots, oldest first; the last one is being filled
-  std::uint32_t free_block_ = kNone;     ///< the first of a chain
+  std::uint32_t free_block_ = kNone;     ///< the first block of the chain of free ones
   std::size_t blocks_made_ = 0;
   bool is_recording_ = false;
   std::uint64_t tick_ = 0;

@@ -55,7 +55,7 @@ class File {
   /// False for a device or a pipe: they cannot contain an earlier journal.
   [[nodiscard]] bool holds_something() const { return is_regular() && status().st_size > 0; }
 
-  /// The lock belongs to the file, whatever name it was opened by. A device takes any number of
+  /// The lock belongs to the file, whatever name it was opened under. A device takes any number of
   /// journals. @return false if another program holds the lock.
   [[nodiscard]] bool try_lock() const { return !is_regular() || try_lock_file(descriptor_); }
 

@@ -61,7 +61,7 @@ bool has_value(JournalChange::Kind kind) {
   return kind == JournalChange::Kind::write || kind == JournalChange::Kind::stored;
 }
 
-/// Writes a number as it is in the memory of this machine, in little-endian byte order;
+/// Writes a number as it is in memory: little-endian on all machines that vdrive supports.
 /// AxisBank::snapshot_layout identifies the kind of machine.
 template <typename Number>
 void put(std::vector<std::byte>& bytes, Number number) {
@@ -272,8 +272,8 @@ void JournalReader::require_length(std::uint32_t kind, std::uint32_t length) con
   }
 }
 
-/// Counts the ticks in the unfinished chunk at the end of the file. The chunk has no valid check,
-/// and more ticks may have been written than it contains.
+/// Counts the ticks in the unfinished chunk at the end of the file. Its check cannot be verified,
+/// and more ticks may have been recorded than it contains.
 void JournalReader::count_torn_ticks() {
   try {
     while (kind_ == kRecords && position_ < chunk_.size()) {

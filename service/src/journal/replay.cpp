@@ -52,7 +52,8 @@ Configuration configuration_of(const JournalStart& start) {
   }
 }
 
-/// A journal being replayed. The overloads of apply() return whether it still agrees.
+/// A journal being replayed. The overloads of apply() return whether the replay still agrees with
+/// it.
 class Replay {
  public:
   Replay(JournalReader& reader, const ReplayOptions& options)
@@ -203,9 +204,8 @@ class Replay {
     return "axis " + std::to_string(named.number) + " (" + named.name + ")";
   }
 
-  /// @return the first row and the first member that differ, or that the recorded checks do not
-  /// show
-  ///         them.
+  /// @return the first axis (or row of axes) and the first member that differ; or that the recorded
+  ///         checks do not show them.
   [[nodiscard]] std::string place_of(const StatusDigest& digest, const JournalTick& tick) const {
     const auto row =
         static_cast<std::size_t>(std::ranges::mismatch(rows_, tick.rows).in1 - rows_.begin());

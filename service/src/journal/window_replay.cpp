@@ -112,7 +112,7 @@ bool WindowReplay::is_of_interest(const BoxEntry& entry) const {
 
 void WindowReplay::apply(const BoxEntry& entry) {
   if (entry.kind != BoxEntry::Kind::change) return;
-  // Each recorded change was accepted, and is accepted again: the state is identical to the bit.
+  // Each recorded change was accepted, and is accepted again: the state is bit-identical.
   switch (entry.change) {
     case JournalChange::Kind::write:
       static_cast<void>(bank_.write(entry.axis, entry.address, entry.value));

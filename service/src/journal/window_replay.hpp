@@ -13,9 +13,9 @@
 
 namespace vdrive::service {
 
-/// Recomputes a window of the black box for some axes; only the blocks of the bank that contain
-/// them are stepped. The caller holds the window while it uses this object, which may be in another
-/// thread than the box.
+/// Recomputes a window of the black box for some axes, and steps only the groups of the bank that
+/// contain them. The caller holds the window while it uses this object, which may run in a
+/// different thread than the box.
 class WindowReplay {
  public:
   /// The kind of item that next() has reached.

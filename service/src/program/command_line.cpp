@@ -498,8 +498,8 @@ std::string unexpected_text(const CLI::App& app, const std::string& argument) {
   return in_quotes(name) + " is not an option" + suggestion(name, known);
 }
 
-/// Other programs have a flag --check that is used together with --config. Here --check takes the
-/// file itself, so the next word would be taken for that file.
+/// In other programs --check is a flag for use with --config. Here --check takes the file itself,
+/// so a --config after it would be taken for the file.
 /// @return the problem; nullopt if --check has a file or is not given
 std::optional<std::string> check_without_file(const std::vector<std::string_view>& words) {
   static constexpr std::string_view kCheck = "--check";

@@ -183,8 +183,8 @@ class MetricsEndpoint::Server {
     });
   }
 
-  /// Serves every connection. A scraper sends its request immediately, so the oldest connection is
-  /// most likely an idle one.
+  /// Serves every connection; if there are too many, closes the oldest. A scraper sends its request
+  /// immediately, so the oldest is most likely idle.
   void serve(tcp::socket socket) {
     std::erase_if(connections_, [](const auto& connection) {
       return connection.expired();

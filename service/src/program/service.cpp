@@ -80,7 +80,7 @@ class ThreadWire final : public BenchWire {
 
   [[nodiscard]] WireLink& link() noexcept override { return link_; }
 
-  /// With security material, first proves that strangers cannot discover the bench.
+  /// In the closed mode, first proves that strangers cannot discover the bench.
   void start() override {
     if (!network_.security.empty()) check_closed(program_.participant(), network_);
     link_.begin();

@@ -17,7 +17,7 @@ namespace vdrive::service {
 
 struct WireHost;
 
-/// A bench on the network: a running bench, its metrics, and its wire, which does DDS in a separate
+/// A bench on the network: a running bench, its metrics, and its wire, which runs DDS in a separate
 /// process or in threads of this one. A receive thread of the DDS library puts arrivals into a
 /// ring.
 class Service {
@@ -38,9 +38,9 @@ class Service {
   Service& operator=(const Service&) = delete;
 
   /// Listens for 300 ms to detect a service with the same bench number, then announces the bench
-  /// and runs it. With security material it first proves that strangers cannot discover the bench.
+  /// and runs it. In the closed mode it first proves that strangers cannot discover the bench.
   /// @throws BenchNumberTaken if an older service has the number; wire::NetworkError if the bench
-  ///         would be open in spite of its material; std::system_error if the journal cannot be
+  ///         would be open in spite of its credentials; std::system_error if the journal cannot be
   ///         written
   void start();
 

@@ -17,7 +17,7 @@ namespace vdrive::service {
 [[nodiscard]] spdlog::level::level_enum level_of(const EventRecord& event);
 
 /// @return the event as a log line: key=value pairs, the description last.
-/// @param suppressed equal events suppressed before it
+/// @param suppressed number of equal events suppressed before it
 [[nodiscard]] std::string log_line(std::uint32_t bench, const EventRecord& event,
                                    std::uint64_t suppressed);
 

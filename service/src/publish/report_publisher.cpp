@@ -28,7 +28,7 @@ constexpr std::chrono::milliseconds kReportInterval{100};
 constexpr const char* kUnit = "UU";
 /// As deep as the history of the topic.
 constexpr auto kEventsKept = static_cast<std::size_t>(wire::Topic<msg::Event>::kRow.quality.depth);
-/// A wire that does not empty a lane in this time hangs.
+/// A wire that does not empty a lane in this time is hung.
 constexpr std::chrono::milliseconds kLongestWaitForRoom{100};
 
 std::int64_t read(const AxisBank& bank, std::size_t axis, ObjectRow row) {

@@ -21,7 +21,7 @@
 
 namespace vdrive::service {
 
-/// Publishes everything outside of the command path: the bench's description and state, parameters,
+/// Publishes everything outside the command path: the bench's description and state, parameters,
 /// events, names of sessions. Used by one thread.
 class ReportPublisher {
  public:

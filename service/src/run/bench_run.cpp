@@ -35,8 +35,8 @@ constexpr std::chrono::microseconds kReportNap = 500us;
 /// The time for the wire to send what is in its lanes, such as the last states and the end of the
 /// bench.
 constexpr std::chrono::milliseconds kTimeOfLastSamples = 200ms;
-/// The same in lock-step, where no axis had to brake, so more of the 2 s for an end is left. A
-/// client on a busy machine may still be waiting for the refusal of its step.
+/// The same in lock-step, where no axis had to brake, so more of the 2 s for the shutdown is left.
+/// A client on a busy machine may still be waiting for the refusal of its step.
 constexpr std::chrono::milliseconds kTimeOfLastSamplesInLockstep = 1s;
 
 /// @return an incarnation later than those of all earlier benches of this process, even if the wall
@@ -182,7 +182,7 @@ void BenchRun::stop() noexcept {
     box.end_window(engine_.bank());
     while (box.handed_over() != nullptr) window_files_->save(box);
   }
-  journal_.reset();  // writes its end; the engine is not used any more
+  journal_.reset();  // writes its end mark; the engine is not used any more
   replies_.deliver(inbox_, outbox_);
   reports_.publish(inbox_, outbox_);
   reports_.announce(false);
@@ -190,7 +190,8 @@ void BenchRun::stop() noexcept {
   log_info("bench={} offline", identity_.bench);
 }
 
-/// Also stores and answers requests that arrived while the service was ending.
+/// Finishes the orders of the saver and answers their requests, even if these arrived during the
+/// shutdown.
 void BenchRun::finish_stores() noexcept {
   if (parameters_.saver) parameters_.saver->close();
   while (engine_.answer_stores()) replies_.deliver(inbox_, outbox_);
@@ -296,8 +297,8 @@ void BenchRun::publish_waiting_status() {
 
 /// Called after the last thread has ended. Axes that still have power, because there was no time to
 /// brake, lose it in one last tick, whose status is published on the network. Sessions in the
-/// process of the bench do not get that status: a wait would report an axis without power instead
-/// of the loss of the bench.
+/// process of the bench do not get that status: their waits would report an axis without power
+/// instead of the loss of the bench.
 void BenchRun::switch_off() noexcept {
   publish_waiting_status();
   if (engine_.has_power()) {

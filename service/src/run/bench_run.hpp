@@ -184,7 +184,7 @@ class BenchRun {
   StoredParameters parameters_;
   SystemCycleTimer timer_;
   BenchIdentity identity_;
-  const std::string name_;  ///< for messages of assertions
+  const std::string name_;  ///< for assertion messages
   Counters counters_;
   std::unique_ptr<BenchWire> wire_;
   ByteRing notices_;

@@ -8,7 +8,7 @@
 
 namespace vdrive::service {
 
-/// Checks that all threads make progress, by their counters of completed work.
+/// Checks by counters of completed work that all threads make progress.
 class Liveness {
  public:
   /// @param beats one counter per thread, outliving this object; empty = not alive

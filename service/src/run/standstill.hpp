@@ -19,7 +19,7 @@ struct Beats {
 /// @return the counters of `beats`.
 [[nodiscard]] std::vector<const Counter*> counts_of(const std::vector<Beats>& beats);
 
-/// Measures for how long threads have made no progress. May be asked rarely or often.
+/// Measures how long threads have made no progress. `look` may be called at any interval.
 class Standstill {
  public:
   using Clock = std::chrono::steady_clock;

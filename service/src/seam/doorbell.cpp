@@ -19,8 +19,8 @@ namespace {
 static_assert(sizeof(std::atomic<std::uint32_t>) == sizeof(std::uint32_t) &&
               std::atomic<std::uint32_t>::is_always_lock_free);
 
-// If a ring came within this time, the next one is expected as soon, and polling for it costs less
-// than a sleep and a wake-up.
+// If a ring came within this time, the next one is expected just as soon, and polling for it costs
+// less than a sleep and a wake-up.
 constexpr std::chrono::nanoseconds kLongestLook = std::chrono::microseconds(100);
 
 void futex_wait(std::atomic<std::uint32_t>& word, std::uint32_t expected,

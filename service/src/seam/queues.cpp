@@ -9,7 +9,7 @@ namespace {
 /// The maximum number of samples that one call of Inbox::front() drops.
 constexpr std::size_t kMostDropped = 64;
 
-/// Spare commands for the decoder: those of a frame that waits for its tick are moved out of it,
+/// Spare commands for the decoder: when a frame has to wait for its tick, its commands move out
 /// with the capacity of their objects, and spare ones take their place.
 constexpr std::size_t kSpareCommands = 1'024;
 

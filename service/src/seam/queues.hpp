@@ -121,7 +121,7 @@ struct OutgoingReply {
   std::unique_ptr<WindowPage> page{};  ///< still to be computed and added
 };
 
-/// Status images of all axes after one tick.
+/// The status of all axes after one tick.
 struct StatusImage {
   std::uint64_t tick = 0;
   std::uint64_t skipped = 0;  ///< ticks that the number had jumped over by then

@@ -96,7 +96,7 @@ std::span<std::byte> map(int descriptor, std::size_t size) {
 /// @return the descriptor of new memory of this size.
 int shared_memory(std::size_t size) {
   const int descriptor = memfd_create("vdrive-wire", MFD_CLOEXEC | MFD_ALLOW_SEALING);
-  // Sealed, because a wire that truncated it would kill the engine by SIGBUS.
+  // Sealed, because a wire that truncated it would kill the engine with SIGBUS.
   if (descriptor < 0 || ftruncate(descriptor, static_cast<off_t>(size)) != 0 ||
       fcntl(descriptor, F_ADD_SEALS, F_SEAL_SHRINK | F_SEAL_GROW | F_SEAL_SEAL) !=
           0) {  // NOLINT(*-vararg)

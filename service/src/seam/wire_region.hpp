@@ -31,7 +31,7 @@ inline constexpr std::size_t kLanes = 6;
 
 /// The state of the wire; written by the wire.
 enum class WireState : std::uint32_t {
-  none,      ///< no wire has started
+  none,      ///< no wire runs
   starting,  ///< the wire of `WireControl::generation` is not ready yet
   running,
   failed,  ///< it could not start; the reason is in `WireControl::error`

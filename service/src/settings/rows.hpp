@@ -25,7 +25,7 @@
 namespace vdrive::settings {
 
 // The keys of a YAML file as rows of a table, with functions that read, check, print and describe
-// them. The service and the bridges define their keys by such tables only.
+// them. The service and the bridges define all their keys in such tables.
 
 /// A key with its place in the file, for the help.
 struct ConfigurationKey {
@@ -35,7 +35,7 @@ struct ConfigurationKey {
 
 // ---- what a value may be -----------------------------------------------------------------------
 
-/// Any value of the type of its place: the member of a settings object that receives the value.
+/// Any value of the type of its place, which is the member of a settings object that receives it.
 struct Any {};
 
 /// A text that must meet further conditions.

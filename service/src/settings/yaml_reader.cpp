@@ -149,7 +149,7 @@ void check_that_one_document_is_all(const std::string& text, const std::string& 
               "a second YAML document begins here; a configuration is one document");
 }
 
-/// YAML allows only blanks for indentation, but the error of the parser does not mention a tab.
+/// YAML allows only spaces for indentation, but the parser's error does not mention the tab.
 /// @return the first line, up to `last`, that is indented with a tab; 0 = none
 std::size_t first_line_with_tab(const std::string& text, std::size_t last) {
   std::istringstream lines(text);

@@ -18,7 +18,7 @@ class FileOperations {
     read,       ///< an existing file, not a link; never blocks, whatever it is
     create,     ///< a new file to write; fails if it exists
     lock,       ///< a file to lock, not a link; created if it does not exist
-    directory,  ///< an existing directory to sync, or a link to one owned by root or this user
+    directory,  ///< an existing directory to sync; a link to one must belong to root or this user
   };
 
   /// The result of make_private().

@@ -37,7 +37,7 @@ class OpenFile {
     try {
       close();
     } catch (const std::system_error& error) {
-      log_debug("{}", error.what());  // harmless: it was read, or its write has already failed
+      log_debug("{}", error.what());  // harmless: it was only read, or a write has already failed
     }
   }
 
@@ -57,7 +57,7 @@ class OpenFile {
   int number_;
 };
 
-/// Does something whose failure is only logged. @return whether it succeeded
+/// Calls `function`, and only logs a failure. @return whether it succeeded
 template <typename Function>
 bool attempt(const char* what, Function function) {
   try {

@@ -106,7 +106,8 @@ class ParameterStore {
     const std::optional<std::string>& directory, std::uint32_t bench);
 
 /// Gives each axis of a bench its stored parameters. An axis with an unusable value keeps its
-/// configured ones and has fault 5530h; so do all axes if the file could not be used.
+/// configured ones and has fault 5530h. If the current file could not be used, all axes have the
+/// fault, even if the previous file was loaded.
 /// @return the events to report
 [[nodiscard]] std::vector<EventRecord> apply(const LoadedParameters& loaded,
                                              Configuration& configuration);

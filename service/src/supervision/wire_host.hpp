@@ -6,8 +6,8 @@
 
 namespace vdrive::service {
 
-/// Everything that a service needs to run its wire as a process. Construct it before the engine has
-/// threads and before it gives up its network access.
+/// Everything that a service needs to run its wire in a separate process. Construct it before the
+/// engine has threads and before it gives up its network access.
 struct WireHost {
   explicit WireHost(const WireSettings& settings)
       : region(settings), spawner(region.descriptor()) {}

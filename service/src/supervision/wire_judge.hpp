@@ -10,7 +10,7 @@
 namespace vdrive::service {
 
 /// Decides from observations when a wire must be ended and when the next one is started. Makes no
-/// system calls; time is an argument.
+/// system calls; the caller passes the time.
 class WireJudge {
  public:
   using Time = std::chrono::steady_clock::time_point;
@@ -18,9 +18,9 @@ class WireJudge {
   static constexpr std::chrono::seconds kLongestStart{10};
   /// A wire whose pumps complete no round in this time hangs.
   static constexpr std::chrono::seconds kLongestRound{2};
-  /// A wire that passes no test from outside (WireProbe) in this time receives nothing.
+  /// A wire that passes no test from outside (WireProbe) in this time counts as deaf.
   static constexpr std::chrono::milliseconds kLongestProbe{4'000};
-  /// A wire that ran this long did not end because of its start: the next one starts without delay.
+  /// A wire that ran this long did not fail at its start: the next one starts without delay.
   static constexpr std::chrono::seconds kLongRun{1};
   /// The same for a wire that had to be ended: its successor may well have the same trouble.
   static constexpr std::chrono::seconds kLongRunOfJudged{60};

@@ -37,7 +37,7 @@ constexpr int kNotStarted = 127 << 8;
 /// How long the engine waits for the end of the spawner, and the spawner for the end of the wire.
 constexpr std::chrono::milliseconds kLongestEnd{100};
 
-/// The interval of the attempts to reap processes that were reported but have not ended.
+/// The interval between attempts to reap processes that were reported while they were dying.
 constexpr std::chrono::milliseconds kReapInterval{100};
 
 /// A process as /proc/PID/stat shows it; the members are fields of proc(5).

@@ -13,7 +13,7 @@ namespace vdrive::service {
 /// it creates a new reader and a new writer, which the wire must discover, sends the wire a sample
 /// and waits for one from it. Existing threads and open sockets would prove none of this.
 ///
-/// With a discovery server the reader and the writer stay the same, because a server that is away
+/// With a discovery server the reader and the writer stay the same, because a server that is down
 /// must not end a wire that its clients can still reach. Then only the first probe tests discovery,
 /// and a probe counts as passed as long as no server has answered.
 class WireProbe {

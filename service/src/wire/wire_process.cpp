@@ -32,8 +32,8 @@ using namespace std::chrono_literals;
 
 constexpr auto kPumpInterval = 20ms;
 constexpr auto kRetryInterval = 1ms;
-/// The pause between two rounds when status is late: limits it to 1 GB a second, at which readers
-/// keep up. Faster sending overflows their socket buffers.
+/// The interval between rounds when status is late. It limits the rate to 1 GB/s, with which
+/// readers keep up; faster sending overflows their socket buffers.
 constexpr auto kBetweenRounds = 500us;
 constexpr auto kProbeInterval = 500ms;
 constexpr auto kWaitForReaders = 150ms;

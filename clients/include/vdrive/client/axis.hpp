@@ -50,7 +50,7 @@ enum class EachCommand : std::uint8_t {
 /// without a value leaves the drive's value in force. A given value replaces the drive's for this
 /// move only: 6081h is restored immediately, because the drive samples it with the set-point; 6083h
 /// and 6084h, which act during the motion, are restored once the call has seen the move end. With
-/// Until::in_force, and after a time-out, the ramps stay.
+/// Until::in_force, and after a time-out, they are not restored.
 struct MoveOptions {
   std::optional<std::uint32_t> velocity{};      ///< 6081h [UU/s]
   std::optional<std::uint32_t> acceleration{};  ///< 6083h [UU/s²]
@@ -59,8 +59,8 @@ struct MoveOptions {
   CallOptions call{};
 };
 
-/// A homing run. A member without a value leaves the drive's value; a given value stays in the
-/// drive.
+/// A homing run. A member without a value leaves the drive's value unchanged; a given value stays
+/// in the drive.
 struct HomingOptions {
   std::optional<std::int8_t> method{};          ///< 6098h: one of kHomingMethods
   std::optional<std::int32_t> offset{};         ///< 607Ch [UU]: position of home
@@ -70,8 +70,8 @@ struct HomingOptions {
   CallOptions call{};
 };
 
-/// The ramps of profile velocity mode. A member without a value leaves the drive's value; a given
-/// value stays in the drive.
+/// The ramps of profile velocity mode. A member without a value leaves the drive's value unchanged;
+/// a given value stays in the drive.
 struct VelocityOptions {
   std::optional<std::uint32_t> acceleration{};  ///< 6083h [UU/s²]
   std::optional<std::uint32_t> deceleration{};  ///< 6084h [UU/s²]
@@ -91,7 +91,7 @@ struct ObjectReading {
   std::int64_t value = 0;
 };
 
-/// Result of reading several objects, all in the same tick.
+/// Result of reading several objects, up to kMostObjectsAtOnce of them in one tick.
 struct Readings {
   std::uint64_t tick = 0;
   std::vector<ObjectReading> objects;  ///< in the order of the request
@@ -103,11 +103,11 @@ class Motion;
 /// the end of its session, calls fail and send nothing.
 ///
 /// A command acquires the axis for the session and is refused while another session owns it. Only
-/// halt() and quick_stop() also work then; the owner keeps the axis. A command that the power state
-/// does not allow is refused with 0x08000022 and changes nothing. `failed` means that the drive
-/// accepted the command, and that a fault, a loss of Operation enabled or a halt ended it. If
-/// another session takes the axis while a call waits for a motion, the call returns refused, with
-/// that session and its program.
+/// halt() and quick_stop() work even then, and the owner keeps the axis. A command that the power
+/// state does not allow is refused with 0x08000022 and changes nothing. `failed` means that the
+/// drive accepted the command, but a fault, a loss of Operation enabled or a halt ended it. If
+/// another session takes the axis while a call waits for a motion, the call returns refused and
+/// names that session and its program.
 ///
 /// To stream positions, velocities or torques tick by tick (cyclic synchronous modes 8, 9 and 10),
 /// make a group of this one axis: AxisGroup::start_streaming().
@@ -169,14 +169,14 @@ class Axis {
   Outcome home(const HomingOptions& options = {});
 
   /// Profile velocity mode (6060h = 3) with 60FFh = `velocity`: waits until it is reached (bit 10).
-  /// The axis keeps running after the call and, once it has reached the velocity, after the
+  /// The axis keeps running after the call and, if it has reached the velocity, also after the
   /// session; 0 brakes it to standstill. After a call that fails, the session does not release the
   /// axis: see Session.
   /// @param velocity [UU/s]
   /// @return refused if a ramp or a limit of 0 allows no motion, or if `velocity` is above 607Fh or
   ///         6080h; failed if a limit switch (60FDh) stops the axis, the drive limits the velocity
-  ///         to the 607Fh and 6080h that held when it was last enabled, the axis was halted on the
-  ///         way, or the wait was interrupted: in that case the motion continues.
+  ///         to the values that 607Fh and 6080h had when it was last enabled, the axis was halted
+  ///         on the way, or the wait was interrupted: in that case the motion continues.
   Outcome run_at(std::int32_t velocity, const VelocityOptions& options = {});
 
   /// Profile torque mode (6060h = 4) with 6071h = `torque`: waits until the torque command has
@@ -195,9 +195,9 @@ class Axis {
   ///
   /// However the jog ends, it leaves 60FFh at 0, so that the axis does not start moving when it is
   /// next enabled. It does not do so if the bench is lost, or if another session or another call of
-  /// this one has the axis. If the last command is refused or no standstill is seen, the call stops
-  /// the axis with a quick stop, which needs no control; an axis that another session has commanded
-  /// since is left to that session.
+  /// this session has the axis. If the last command is refused or no standstill is seen, the call
+  /// stops the axis with a quick stop, which works without owning the axis; an axis that another
+  /// session has commanded since then is left to that session.
   /// @param velocity [UU/s]
   /// @param held called in every observed tick; must not block. If it throws, the axis is stopped
   ///        first
@@ -217,8 +217,9 @@ class Axis {
   /// the axis.
   Outcome quick_stop(const CallOptions& options = {});
 
-  /// Rising edge of bit 7, held for drives that miss a short one. Does nothing without a fault.
-  /// @return refused while the cause persists; the drive has 0.1 s of drive time to show that.
+  /// A pulse of bit 7, repeated as a longer one for drives that miss the first. Does nothing
+  /// without a fault.
+  /// @return refused if the fault lasts for another 0.1 s of drive time: its cause persists.
   Outcome reset_fault(const CallOptions& options = {});
 
   /// Switches the axis off and on again; the mechanical position is kept.
@@ -236,9 +237,9 @@ class Axis {
   Outcome restore_defaults();
 
   /// Reads any number of objects. A refused object has its abort code in its place.
-  /// @return the values in the order of `objects`. Up to kMostObjectsAtOnce of them make one
-  ///         request, which is answered in one tick; `tick` is that of the last request. If a
-  ///         request fails, its outcome and no values.
+  /// @return the values in the order of `objects`. Each request reads up to kMostObjectsAtOnce of
+  ///         them in one tick; `tick` is that of the last request. If a request fails, its outcome
+  ///         is returned and no values.
   Result<Readings> read(std::span<const ObjectAddress> objects) const;
 
   /// Reads one object.
@@ -249,8 +250,8 @@ class Axis {
   /// @return the tick in which the value is in force, or refused.
   Result<std::uint64_t> write(ObjectAddress object, std::int64_t value);
 
-  /// The velocity check of move_to() and run_at(). A direct write to 6081h does not go through it:
-  /// the drive limits that value silently.
+  /// The velocity check of move_to() and run_at(). A direct write to 6081h bypasses it: the drive
+  /// silently limits that value.
   /// @param velocity [UU/s]
   /// @return refused above 607Fh, or above 6080h converted through the gear (5E11h), naming the
   ///         limit.
@@ -301,7 +302,7 @@ class Motion {
 
   /// Waits for at most one sample.
   /// @return whether the axis is at its target, false while it is on its way; if the move has ended
-  ///         otherwise, the outcome that wait() returns.
+  ///         in any other way, the outcome that wait() would return.
   [[nodiscard]] Result<bool> has_ended() const;
 
  private:

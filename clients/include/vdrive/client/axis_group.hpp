@@ -28,7 +28,7 @@ enum class GroupState : std::uint8_t {
   error_stop,  ///< at least one axis has a fault
 };
 
-/// @return such as "error_stop".
+/// @return the name of the state, such as "error_stop".
 [[nodiscard]] std::string_view to_string(GroupState state) noexcept;
 
 /// All axes of a group after one tick. Vectors and axes are in the group's order.
@@ -130,7 +130,7 @@ class AxisGroup {
 
   /// Brings every axis to Operation enabled (MC_GroupEnable), waiting as long as its drive needs.
   /// No axis moves: see Axis::enable().
-  /// @return refused if an axis has a fault; nothing has been sent then.
+  /// @return refused, with nothing sent, if an axis has a fault.
   Outcome enable_all(const GroupCallOptions& options = {});
 
   /// Shutdown (0006h) of every axis without a fault (MC_GroupDisable). Drops the queue.
@@ -138,18 +138,18 @@ class AxisGroup {
 
   /// Moves to absolute positions [UU, rounded to integers] along a straight line in axis space
   /// (MC_MoveLinearAbsolute): all axes start in the same tick, keep the ratio of their distances
-  /// and arrive in the same tick; the slowest runs at its limit. Starts from rest, or while the
-  /// axes move along a line of this group, to another target on that line: further on, short of its
-  /// end, or back. Drops the queue.
+  /// and arrive in the same tick; the slowest runs at its limit. The axes must be at rest or moving
+  /// along a line of this group. In motion, the new target must be on that line: beyond its end,
+  /// short of it, or back towards its start. Drops the queue.
   ///
   /// From rest, the times are computed for distances half a unit longer, because an axis at rest
   /// may be up to half a unit away from the position in 6062h. In motion, the axes stay on their
   /// line and arrive together, apart from the rounding to integers.
   /// @return refused, with nothing changed, if an axis cannot take part: not enabled, beyond its
   ///         software limits, a move of more than 4294 s, or in motion and not on one line with the
-  ///         target; the message gives the value that is off the line and its value on the line. If
-  ///         an axis ignores its set-point, the others are stopped before the tick in lock-step,
-  ///         and halted in real time or if they were already moving.
+  ///         target; the message gives the value that is off the line and the value that the line
+  ///         needs. If an axis ignores its set-point, the others do not start in lock-step; in real
+  ///         time, or if they were already moving, they are halted.
   Outcome move_together(const Eigen::VectorXd& targets, const GroupMoveOptions& options = {});
 
   /// As move_together(), by displacements from the demand positions (MC_MoveLinearRelative).
@@ -194,9 +194,9 @@ class AxisGroup {
   /// and drops the queue.
   Outcome command(EachCommand command, const GroupCallOptions& options = {});
 
-  /// Selects the cyclic synchronous mode of `options.what` on every axis, from rest, without
-  /// offsets (60B0h, 60B1h, 60B2h) and with 60C2h = one tick. The axes hold their positions until
-  /// the first set-point arrives.
+  /// Selects the cyclic synchronous mode of `options.what` on every axis, from rest, with one
+  /// set-point per tick (60C2h:01 = 0) and the offsets 60B0h, 60B1h and 60B2h set to 0. The axes
+  /// hold their positions until the first set-point arrives.
   Outcome start_streaming(const StreamOptions& options = {});
 
   /// Sends the set-points of the next tick, rounded to integers, in one frame per bench. In
@@ -209,7 +209,7 @@ class AxisGroup {
   Result<GroupStatus> stream(const Eigen::VectorXd& set_points);
 
   /// Returns to profile position mode; axes that the stream left moving brake to rest.
-  /// @return refused, after that, if one of the last set-points arrived late and was not executed.
+  /// @return refused afterwards if one of the last set-points arrived late and was not executed.
   Outcome stop_streaming(const GroupCallOptions& options = {});
 
  private:

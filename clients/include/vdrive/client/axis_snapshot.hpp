@@ -23,8 +23,8 @@ struct AxisSnapshot {
   std::uint64_t owner_session = 0;  ///< 0 = free
   std::uint32_t owner_epoch = 0;
   std::uint64_t last_sequence = 0;  ///< the owner's last command frame that was applied
-  /// Whether owner and last command are known; they are not if the objects were read from a paused
-  /// bench.
+  /// Whether owner and last command are known; they are not in a window, or if the state of an axis
+  /// of a paused bench was read from its objects.
   bool has_owner = true;
 
   /// Ticks that were not run because the tick number jumped over them, since the start of the call
@@ -45,7 +45,7 @@ struct AxisSnapshot {
     return static_cast<OperatingMode>(status.op_mode_actual);
   }
 
-  /// @return whether its mode applies a torque, even at standstill.
+  /// @return whether the drive applies a torque that its mode commands, even at standstill.
   [[nodiscard]] bool has_torque() const noexcept {
     const OperatingModeRow* const row = find_operating_mode(mode());
     return row != nullptr && row->commands_torque && state() == PowerState::operation_enabled &&
@@ -82,7 +82,7 @@ struct Observation {
 [[nodiscard]] std::vector<std::string_view> statusword_flags(std::uint16_t statusword,
                                                              OperatingMode mode);
 
-/// @return such as "0x1637 Operation enabled: remote, target reached, set-point acknowledge".
+/// @return a text such as "0x1637 Operation enabled: remote, target reached".
 [[nodiscard]] std::string describe_statusword(std::uint16_t statusword, OperatingMode mode);
 
 /// @return the condition of an axis for a message, such as "shows error 0x8611 following error,

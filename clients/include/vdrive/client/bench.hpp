@@ -22,10 +22,10 @@ using vdrive::to_user_units;
 using vdrive::Unit;
 using vdrive::UnitKind;
 
-/// Most axes of one bench that a frame of set-points or a group can contain.
+/// Maximum number of axes of one bench in a frame of set-points or in a group.
 inline constexpr std::size_t kMostAxesAtOnce = 256;
 
-/// Most objects of an axis that are read in one tick.
+/// Maximum number of objects that Axis::read() reads in one tick.
 inline constexpr std::size_t kMostObjectsAtOnce = 64;
 
 /// Address of an axis, written `bench.axis`.
@@ -36,7 +36,7 @@ struct AxisId {
   friend auto operator<=>(const AxisId&, const AxisId&) = default;
 };
 
-/// @return such as "1.2".
+/// @return the address, such as "1.2".
 [[nodiscard]] std::string to_string(const AxisId& id);
 
 /// @return the address if `text` has the form `bench.axis`, otherwise nothing: it may be a name.
@@ -55,7 +55,7 @@ struct AxisInfo {
   friend bool operator==(const AxisInfo&, const AxisInfo&) = default;
 };
 
-/// A number that a bench counts or measures from its start; the texts are constants.
+/// A number that a bench counts or measures from its start. The texts are string constants.
 struct Figure {
   std::string_view name;  ///< the name of the member of bench_state
   std::uint64_t value = 0;
@@ -80,13 +80,13 @@ struct BenchInfo {
   /// The status stream has one sample every n ticks; in freerun, one per millisecond of wall time.
   std::uint32_t status_every_ticks = 1;
   std::uint64_t tick = 0;  ///< newest one received
-  /// Age of its newest sample of any kind when this was found, in wall time. A bench whose time
-  /// stands still sends its state 20 times a second.
+  /// Age of its newest sample of any kind at the time of this description, in wall time. Even a
+  /// bench whose time stands still sends its state 20 times a second.
   std::chrono::nanoseconds sample_age{0};
   double rate = 1.0;  ///< realtime: drive time over wall time, 0 = paused
   /// Counters and measurements; 0 = not received yet.
   std::vector<Figure> figures = all_figures();
-  /// Starts of its wire process in this run: 1 = it never ended, 0 = not received yet.
+  /// Starts of its wire process in this run: 1 = never restarted, 0 = not received yet.
   std::uint64_t wire_starts = 0;
   /// Longest time without a message from an owner of axes, in drive time.
   std::chrono::microseconds longest_silence{0};

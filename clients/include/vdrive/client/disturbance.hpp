@@ -78,7 +78,7 @@ inline constexpr std::array kDisturbances{
                    "true feedback"},
 };
 
-/// @return such as "fault 2310h, continuous over-current: immediately, in every state".
+/// @return a text such as "fault 2310h, continuous over-current: immediately, in every state".
 [[nodiscard]] std::string text_of(const DisturbanceRow& row);
 
 }  // namespace vdrive::client

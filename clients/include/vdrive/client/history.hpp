@@ -36,7 +36,7 @@ struct AxisWrite {
   bool is_late = false;      ///< refused because its tick had passed
 };
 
-/// The next writes to a bench.
+/// One answer of Session::writes().
 struct AxisWrites {
   std::vector<AxisWrite> writes{};  ///< oldest first
   std::uint64_t place = 0;          ///< of the last one: pass it to the next call to continue
@@ -59,7 +59,7 @@ struct WindowCause {
   std::uint64_t tick = 0;     ///< the last completed one
 };
 
-/// @return such as "fault" or "master lost".
+/// @return a text such as "fault" or "master lost".
 [[nodiscard]] std::string_view to_string(WindowCause::Kind kind) noexcept;
 
 /// A stretch of time kept in the black box of a bench: from 2 s before its first cause to 0.5 s

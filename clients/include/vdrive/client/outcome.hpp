@@ -68,13 +68,12 @@ class [[nodiscard]] Outcome {
   /// @throws OutcomeError with this outcome, unless it is success.
   void or_throw() const;
 
-  /// The session that holds the axis that the call was refused for, or that the call lost; nullptr
-  /// unless another session is known to be the reason.
+  /// The session that holds the axis for which the call was refused, or which the call lost;
+  /// nullptr unless another session is known to be the reason.
   [[nodiscard]] const AxisOwner* owner() const noexcept { return owner_.get(); }
 
-  /// @return the same refusal, attributed to `owner`: in the message, the new owner replaces the
-  ///         old owner or the meaning of the code at the end. Other outcomes are returned
-  ///         unchanged.
+  /// @return the same refusal, attributed to `owner`, which replaces the previous owner or the
+  ///         meaning of the code at the end of the message. Other outcomes are returned unchanged.
   [[nodiscard]] Outcome with_owner(AxisOwner owner) const;
 
   /// @return the same outcome with `words` in front of its message, to say what the failure led to.
@@ -114,7 +113,7 @@ class OutcomeError final : public std::runtime_error {
 template <typename Value>
 class [[nodiscard]] Result {
  public:
-  // Implicit by design: a function returns either.
+  // Implicit by design, so that a function can return either.
   Result(Value value) : value_(std::move(value)) {}  // NOLINT(google-explicit-constructor)
 
   Result(Outcome failure) : outcome_(std::move(failure)) {}  // NOLINT(google-explicit-constructor)

@@ -61,22 +61,21 @@ struct SessionOptions {
   /// service has announced itself, or on a busy machine, it may take longer: see find_benches().
   std::chrono::milliseconds find_timeout{2000};
   /// A call that waits reports a service as lost when its newest sample is older than this [wall
-  /// time, 50 ms or more]: a busy machine may stop a process for some hundred milliseconds, and a
-  /// service sends nothing while its wire process restarts. Session::watch_services reports the
-  /// silence earlier.
+  /// time, 50 ms or more]. The default is this long because a busy machine may stop a process for
+  /// some hundred milliseconds, and a service sends nothing while its wire process restarts.
+  /// Session::watch_services reports the silence earlier.
   std::chrono::milliseconds silence{1500};
   /// Calls that follow a bench (Follower, Session::wait, wait_for_tick, on_status) continue after a
   /// silence up to this [wall time], so that they survive a restart of the wire process; a follower
   /// counts the samples it missed. Values below `silence` act as `silence`. Time in which this
-  /// program itself did not run (stopped, or without a processor) counts towards neither.
+  /// program itself did not run (stopped, or without a processor) counts towards neither limit.
   std::chrono::milliseconds patience{10'000};
   /// The benches of this process that the session sees (vdrive::bench::Bench::bus); null = those of
   /// the network. With a bus, no network option applies, and a bench is either there or not:
   /// `silence` and `patience` have no effect either. A `silence` out of range is still refused.
   std::shared_ptr<wire::LocalBus> bus{};
-  /// Name shown to others as the controller of an axis, at most 64 bytes of UTF-8, along with the
-  /// number of this process and the name of its host; empty = the file name of this process's
-  /// program.
+  /// Name of this program that others see as the owner of an axis, with the number of this process
+  /// and the name of its host. At most 64 bytes of UTF-8; empty = the file name of the program.
   std::string program{};
   /// For a program that only observes: an idle session takes what has arrived only this often [wall
   /// time, 0 to 20 ms]. One wakeup then serves many samples; every answer may be as much later. 0 =
@@ -104,7 +103,7 @@ struct ServiceChange {
   std::string text;                     ///< such as "bench 1 stopped sending 83 ms ago"
 };
 
-/// Most objects in one set-point in addition to position, mode and controlword.
+/// Maximum number of objects in one set-point, besides position, mode and controlword.
 inline constexpr std::size_t kMostObjectsOfSetPoint = 8;
 
 /// A value for an object of an axis.
@@ -128,15 +127,15 @@ struct SetPoint {
   std::vector<ObjectValue> objects{};
 };
 
-/// Objects to set to 0 before a stream that has a set-point for each tick and nothing else:
-/// 60C2h:01 and the offsets 60B0h, 60B1h and 60B2h, which another master may have set.
+/// The objects to set to 0 before a stream that only sends one set-point per tick: 60C2h:01 and the
+/// offsets 60B0h, 60B1h and 60B2h, which another master may have set.
 [[nodiscard]] std::vector<ObjectValue> objects_before_stream();
 
 /// Set-points that take effect in one tick.
 struct SetPointFrame {
   std::uint64_t tick = 0;      ///< 0 = the next
   bool drops_waiting = false;  ///< first drop this session's frames that are waiting for their tick
-  std::vector<SetPoint> axes{};  ///< each once; more than kMostAxesAtOnce need several frames
+  std::vector<SetPoint> axes{};  ///< each once; more than kMostAxesAtOnce are sent as several
 };
 
 /// A value in a set-point that the drive refused: the object keeps its old value.
@@ -161,9 +160,9 @@ enum class Pace : std::uint8_t {
 };
 
 /// How far the samples of a follower lagged behind the time of their bench when the program got
-/// them. That time is the newest tick that the session has received from the bench, in a status or
-/// a state message. So a program that takes samples more slowly than they arrive becomes visible,
-/// and a constant network delay does not. Differences of the tick number count as drive time,
+/// them. The time of the bench is the newest tick that the session has received from the bench, in
+/// a status or a state message. This reveals a program that takes samples more slowly than they
+/// arrive, but not a constant network delay. Differences of the tick number count as drive time,
 /// including jumps of the number. A sample from a step of the follower itself (lock-step with
 /// Pace::drive) is never late.
 struct Lateness {
@@ -186,7 +185,7 @@ class Follower {
   /// @param patience wall time to wait for a sample
   /// @return timed_out after `patience`; lost if the service was silent for
   ///         SessionOptions::patience, has ended or was restarted; failed if interrupted or, with
-  ///         Pace::drive, if the bench is paused. After a silence the same follower continues.
+  ///         Pace::drive, if the bench is paused. After a silence, next() can be called again.
   Result<Observation> next(std::chrono::milliseconds patience);
 
   /// As above, reusing the memory of an earlier sample: a program that passes each sample back
@@ -195,8 +194,8 @@ class Follower {
   Outcome next(std::chrono::milliseconds patience, Observation& sample);
 
   /// @return whether next() would return without waiting for time or other steppers: a sample is
-  ///         available, or this session alone steps the bench. Then an interrupt during next() does
-  ///         not end it.
+  ///         available, or this session alone steps the bench. An interrupt does not end such a
+  ///         call.
   [[nodiscard]] bool has_next() const;
 
   /// @return the figures since the follower was made.
@@ -209,7 +208,7 @@ class Follower {
   std::unique_ptr<State> state_;
 };
 
-/// Reports the states of axes to a function of the program until it is destroyed. Made by
+/// Reports the states of axes to an observer until this object is destroyed. Made by
 /// Session::report_status; must not outlive the session.
 class StatusReports {
  public:
@@ -237,11 +236,11 @@ class StatusReports {
 ///
 /// A session is identified by a random 64-bit number. It acquires an axis with its first command to
 /// it, keeps all its axes until it ends and releases them then; releasing an axis does not affect
-/// its motion. It does not release an axis that one of its calls set into a motion without an end
-/// (a velocity, a torque, a stream, set-points) and that it has not seen stop since: nothing would
-/// stop a free axis. That axis stays with the session, and the watchdog of the bench stops it when
-/// the session falls silent. Once run_at() or apply_torque() has reached its velocity or torque,
-/// the axis runs on as the program wanted, and is released.
+/// its motion. It does not release an axis that one of its calls has set in endless motion (a
+/// velocity, a torque, a stream, set-points) and that it has not seen stop since, because nothing
+/// would stop a free axis. That axis stays with the session, and the watchdog of the bench stops it
+/// when the session falls silent. Once run_at() or apply_torque() has reached its velocity or
+/// torque, the axis runs on as the program wanted, and is released.
 ///
 /// Time-outs of motion are drive time, counted in ticks that are run: a jump of the tick number
 /// uses up none of it. In freerun they count from the tick in which the last command of the call
@@ -251,8 +250,8 @@ class StatusReports {
 /// themselves; while the session has joined the clock (StepClock), they grant their ticks and wait
 /// for the other steppers, up to 10 s of wall time for the next tick.
 ///
-/// In the closed mode the identity may be a viewer's: then everything published can be read, and
-/// every call that would send something to a bench is refused with kNotPermitted.
+/// In the closed mode the session may have the identity of a viewer: it can read everything
+/// published, and every call that would send something to a bench is refused with kNotPermitted.
 ///
 /// When the wire process of a service restarts, or the network link comes back, calls that wait
 /// continue: unanswered requests are sent again and take effect once. Axes that the bench took away
@@ -264,14 +263,14 @@ class StatusReports {
 /// Observers (watch_services, on_event, on_status, report_status) run on threads of the session,
 /// never within a call of the program. They may call the session, wait, and end or replace their
 /// own reports. An exception that leaves an observer ends its reports and is rethrown, once, by the
-/// next call that needs a bench; if several observers threw, each call rethrows one exception. Such
-/// calls are those of the session, of its axes, groups and followers, StepClock::join,
-/// StepClock::step and StepClock::step_for. Exempt are calls that stop axes (see interrupt()) or
-/// release them, present_benches, no_bench_found, on_event, watch_services, abandon,
-/// AxisGroup::queue_move, and calls from an observer of the same session.
+/// next call of the session, its axes, groups, followers or step clocks that needs a bench; if
+/// several observers threw, each call rethrows one exception. These calls rethrow nothing: those
+/// that stop axes (see interrupt()) or release them, present_benches, no_bench_found,
+/// network_troubles, find_name, known_name, steps_at_once, on_event, on_set_point_refusal,
+/// watch_services, abandon, AxisGroup::queue_move, and calls from an observer of the same session.
 ///
-/// A forked process cannot use the session of its parent: there, calls return lost, those without
-/// an outcome throw OutcomeError or do nothing, and nothing is released.
+/// A forked process cannot use the session of its parent: there, calls return lost, calls without
+/// an outcome throw OutcomeError or do nothing, and the destructor releases nothing.
 class Session {
  public:
   /// @throws std::runtime_error if the domain or `silence` is out of range, VDRIVE_DOMAIN is needed
@@ -287,10 +286,10 @@ class Session {
   /// The session's number: the owner that an axis shows while this session holds it.
   [[nodiscard]] std::uint64_t id() const noexcept;
 
-  /// @return the name of a session, such as the owner that an axis of this bench shows, as its
-  ///         program stated it on first acquiring an axis of the bench; nothing for a session
-  ///         without a name, such as a client of another vendor. Waits up to a second if the name
-  ///         must be received first, up to 100 ms for a session not asked for before.
+  /// @return the name of a session, such as the owner of an axis, as its program stated it on first
+  ///         acquiring an axis of the bench; nothing for a session without a name, such as a client
+  ///         of another vendor. Waits up to a second for the names from the bench to arrive; after
+  ///         that, up to 100 ms for a session asked for the first time.
   [[nodiscard]] std::optional<SessionName> find_name(std::uint32_t bench, std::uint64_t session);
 
   /// @return as find_name(), without waiting: only names that have arrived since the first call of
@@ -353,8 +352,8 @@ class Session {
   ///         and this session has not; timed_out, naming the stepper that time waits for.
   Result<std::uint64_t> step(std::uint32_t bench, std::uint64_t ticks);
 
-  /// @return whether step() would take one request (at most 2,000 ticks) of this session alone, to
-  ///         a bench that is present. Then an interrupt during step() does not end it.
+  /// @return whether the bench is present and step() would need only one request (at most 2,000
+  ///         ticks) and no other stepper. An interrupt does not end such a step.
   [[nodiscard]] bool steps_at_once(std::uint32_t bench, std::uint64_t ticks) const;
 
   /// Sets how fast drive time passes on a realtime bench, for everybody.
@@ -434,8 +433,8 @@ class Session {
 
   /// Calls `observer`, on a thread of the session, for each event from now on of the benches that
   /// this session sees: a fault, a refusal, a loss of control, a stop by another session. Each
-  /// event of a bench is reported once and in order. If the observer is slow, the oldest of 4,096
-  /// events are lost.
+  /// event of a bench is reported once and in order. At least 4,096 events wait for a slow
+  /// observer; beyond that, the oldest are lost.
   /// @param observer must not end the session; an empty one ends the reports. It replaces the
   ///        previous one.
   /// @param history kept = start with the oldest event that each bench still has
@@ -461,7 +460,7 @@ class Session {
   /// @param observer must not end the session; an empty one ends the reports. It replaces the
   ///        previous one.
   /// @param ended called with lost and the reason when the reports of a bench have ended
-  /// @return not_found if one of the axes is not there; failed for a shorter period.
+  /// @return not_found if one of the axes is not there; failed if `period` is too short.
   Outcome on_status(std::span<const AxisId> axes, std::chrono::milliseconds period,
                     std::function<void(const Observation&)> observer,
                     std::function<void(const Outcome&)> ended = {});
@@ -472,7 +471,7 @@ class Session {
                                       std::function<void(const Observation&)> observer,
                                       std::function<void(const Outcome&)> ended = {});
 
-  /// Immediate quick stop of every axis of a bench that has no fault, whoever owns it. The owners
+  /// Immediate quick stop of every axis without a fault on a bench, whoever owns it. The owners
   /// keep their axes; nothing is acquired. Also works after interrupt().
   /// @param options done = all axes are at rest
   /// @return failed, with nothing sent, while the bench is paused.

@@ -20,7 +20,7 @@ struct SessionName {
   friend bool operator==(const SessionName&, const SessionName&) = default;
 };
 
-/// @return such as "vdrive (process 4711 on bench-host)".
+/// @return a text such as "vdrive (process 4711 on bench-host)".
 [[nodiscard]] std::string to_string(const SessionName& name);
 
 /// The session that holds an axis that a call was refused for, or that this session has lost.
@@ -32,11 +32,11 @@ struct AxisOwner {
   friend bool operator==(const AxisOwner&, const AxisOwner&) = default;
 };
 
-/// @return the name of a session in messages: "vdrive (process 4711 on bench-host), session
+/// @return a session as messages name it: "vdrive (process 4711 on bench-host), session
 ///         0x000000000000000b", or "an unknown program, session 0x000000000000000b".
 [[nodiscard]] std::string owner_text(std::uint64_t session, const std::optional<SessionName>& name);
 
-/// @return such as "axis 1.1 is controlled by vdrive (process 4711 on bench-host), session
+/// @return a text such as "axis 1.1 is controlled by vdrive (process 4711 on bench-host), session
 ///         0x000000000000000b".
 [[nodiscard]] std::string to_string(const AxisOwner& owner);
 

@@ -16,8 +16,8 @@ inline constexpr std::array kEnablingWords{controlwords::kDisableVoltage, contro
 
 /// @return the controlwords that lead from a power state without a fault to Operation enabled (CiA
 ///         402, transitions 2 to 4), to be written one after the other; none in Operation enabled.
-///         From Quick stop active the first word removes the power, because every value of 605Ah
-///         allows that.
+///         From Quick stop active the first word removes the power (transition 12), which every
+///         value of 605Ah allows.
 [[nodiscard]] constexpr std::span<const std::uint16_t> enabling_words(PowerState state) noexcept {
   const std::span<const std::uint16_t> all(kEnablingWords);
   switch (state) {

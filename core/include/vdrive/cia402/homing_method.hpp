@@ -10,7 +10,7 @@ namespace vdrive {
 
 /// Where the first movement of a homing run ends.
 enum class HomingMark : std::uint8_t {
-  none,          ///< none: either the next index pulse is searched, or home is the present position
+  none,          ///< none: home is the next index pulse or the present position
   limit_switch,  ///< the limit switch in that direction (bits 0 and 1 of 60FDh)
   home_switch,   ///< the home switch (bit 2 of 60FDh)
   hard_stop,     ///< the mechanical stop in that direction, detected by the torque (5E18h)

@@ -44,7 +44,7 @@ struct OperatingModeRow {
 };
 
 /// Every operating mode, in ascending order. 6502h, the values of 6060h and all names are derived
-/// from it.
+/// from this table.
 inline constexpr std::array kOperatingModes{
     OperatingModeRow{
         .mode = OperatingMode::none, .name = "none", .name_zh = "无", .has_target = false},

@@ -68,10 +68,11 @@ class PowerStateMachine {
   /// A fault was detected: transition 13, unless a fault is already being handled.
   TransitionSet fault_detected() noexcept;
 
-  /// The DC link was lost without this being a fault: back to Switch on disabled.
+  /// The DC link was lost while the motor had no power, which is not a fault: back to Switch on
+  /// disabled.
   TransitionSet voltage_lost() noexcept;
 
-  /// The power stage dropped out without this being a fault: transition 5, without a ramp.
+  /// The power stage dropped out, which is not a fault: transition 5, without a ramp.
   TransitionSet power_dropped() noexcept;
 
   /// The stop of the present state has finished: transition 14 of the fault reaction, 12 of a quick

@@ -98,7 +98,7 @@ inline constexpr std::array kAbortCodes{
     AbortCodeRow{AbortCode::no_data_available, "no_data_available", "no data available"},
 };
 
-/// @return the number by which an outcome in a reply or a frame reports `code`.
+/// @return the number that reports `code` in a reply or a frame.
 [[nodiscard]] constexpr std::uint32_t wire_code(AbortCode code) noexcept {
   return static_cast<std::uint32_t>(code);
 }

@@ -16,7 +16,7 @@ namespace vdrive {
 // objects with vdrive/dictionary/dictionary.hpp.
 
 /// Version of the objects, names, types, access rights and ranges; clients find it in the
-/// description of a bench. Every change of a row raises the second number, a change that breaks
+/// description of a bench. Every change of a row raises the second number; a change that breaks
 /// existing clients raises the first.
 inline constexpr std::string_view kDictionaryVersion = "1.5";
 

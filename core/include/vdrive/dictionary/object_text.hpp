@@ -47,17 +47,17 @@ struct SpelledAddress {
 [[nodiscard]] std::string address_suggestion(std::string_view text);
 
 /// @param text an address in the grammar above, a variable_name, or the standard's name
-/// @return the address of that object; nothing for an unknown name. An address is returned even if
-///         it has no object: it is left to the drive to refuse it.
+/// @return the address of that object; nothing for an unknown name. An address without an object is
+///         returned as well: the drive refuses it.
 [[nodiscard]] std::optional<ObjectAddress> parse_object(std::string_view text) noexcept;
 
 /// @return every name that `parse_object` knows: all variable_names, then the standard's names.
 [[nodiscard]] std::vector<std::string> names_of_objects();
 
 /// Explains a refusal beyond its abort code.
-/// @return for example "607Dh has the sub-indices 1 and 2" for AbortCode::subindex_does_not_exist
-///         and "positioning_option_code takes 0, 1 or 2" for a value that the object does not
-///         accept; empty for every other code.
+/// @return for example "607Dh has sub-indices 1 and 2" for AbortCode::subindex_does_not_exist and
+///         "positioning_option_code accepts 0, 1 or 2" for a value that the object does not accept;
+///         empty for every other code.
 [[nodiscard]] std::string advice_on(ObjectAddress object, AbortCode code);
 
 }  // namespace vdrive

@@ -52,7 +52,7 @@ inline constexpr std::array kStandardNames{
     StandardName{"negative_torque_limit_value", "negative_torque_limit_relative"},
 };
 
-/// @param name a variable_name, or the standard's
+/// @param name a variable_name or the standard's name
 /// @return the row of that object, or nothing.
 [[nodiscard]] std::optional<ObjectRow> find_named(std::string_view name) noexcept;
 

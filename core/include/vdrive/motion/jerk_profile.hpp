@@ -104,15 +104,15 @@ class JerkProfile {
   [[maybe_unused]] std::array<std::uint8_t, 6> unused_{};
 };
 
-// The plans below start from any position, velocity and acceleration. `limits` bound the velocity,
-// and the acceleration in the direction of motion to [-deceleration, acceleration]; where the
-// direction changes, the smaller of the two applies. `jerk` (is_limited) bounds the rate of change
-// of acceleration. Where the start is outside the limits, or leads out of them because the
-// acceleration cannot end instantly, the motion returns to them as fast as the jerk allows, but
-// does not reverse to do so. "Fastest" means the fastest of all motions if both jerks are equal.
-// With two different jerks it means the fastest of the motions that never go backward, if start and
-// target allow such a motion; one with a run-up could be faster. Where the axis must turn, a motion
-// that overshoots more than necessary could be faster.
+// The functions below plan from any position, velocity and acceleration unless they say otherwise.
+// `limits` bound the velocity, and the acceleration in the direction of motion to [-deceleration,
+// acceleration]; where the direction changes, the smaller of the two applies. `jerk` (is_limited)
+// bounds the rate of change of acceleration. Where the start is outside the limits, or leads out of
+// them because the acceleration cannot end instantly, the motion returns to them as fast as the
+// jerk allows, but does not reverse to do so. "Fastest" means the fastest of all motions if both
+// jerks are equal. With two different jerks it means the fastest of the motions that never go
+// backward, if start and target allow such a motion; one that backs up first could be faster. Where
+// the axis must turn, a motion that overshoots more than necessary could be faster.
 
 /// Plans the fastest motion to rest at `target` [user units]. If the velocity limit is 0, it brakes
 /// to a standstill and stays there.

@@ -92,10 +92,11 @@ class Profile {
   [[maybe_unused]] std::array<std::uint8_t, 6> unused_{};
 };
 
-/// Plans the time-optimal trapezoid from any state to rest at `target`. It first brakes to the
-/// velocity limit if it is above it, and to standstill if the target is within the stopping
-/// distance or behind the axis. Speeding up uses `limits.acceleration`, slowing down
-/// `limits.deceleration`. If the velocity limit is 0, it brakes to a standstill and stays there.
+/// Plans the time-optimal trapezoid from any state to rest at `target`. An axis above the velocity
+/// limit first brakes to it; one whose target is behind it or within the stopping distance first
+/// brakes to a standstill. Speeding up uses `limits.acceleration`, slowing down
+/// `limits.deceleration`. If the velocity limit is 0, the axis brakes to a standstill and stays
+/// there.
 ///
 /// With stopping distance s = v²/2d, displacement D >= s and v below the limit, the peak velocity
 /// is v_p² = (2adD + dv²)/(a + d), capped by the limit.
@@ -108,7 +109,7 @@ struct MoveTimes {
   double duration = 0.0;
   double acceleration = 0.0;
   double deceleration = 0.0;
-  /// In which the acceleration of each ramp builds up, and falls off again; 0 = in one step.
+  /// Time in which the acceleration of each ramp builds up and again falls off; 0 = in one step.
   double jerk = 0.0;
 };
 

@@ -14,7 +14,7 @@ struct SetPoint {
   std::uint32_t synchronous_move_acceleration_time = 0;  ///< 5E10h:02 [us]
   std::uint32_t synchronous_move_deceleration_time = 0;  ///< 5E10h:03 [us]
   std::uint32_t synchronous_move_jerk_time = 0;          ///< 5E10h:04 [us], 0 = no limit
-  std::uint32_t synchronous_move_reference_way = 0;      ///< 5E10h:05 [user units], 0 = own way
+  std::uint32_t synchronous_move_reference_way = 0;      ///< 5E10h:05 [user units], 0 = none
   std::uint16_t positioning_option_code = 0;             ///< 60F2h
   bool relative = false;                                 ///< controlword bit 6
   std::array<std::uint8_t, 1> unused{};  ///< no uninitialised padding: snapshots contain it

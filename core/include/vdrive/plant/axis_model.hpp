@@ -10,9 +10,9 @@ namespace vdrive {
 /// 4096).
 inline constexpr double kUserUnitsPerRevolution = 4096.0;
 
-/// Speed limit of every motor of the model at the end of a tick, whatever torque drives it [UU/s]:
-/// a million revolutions per minute, more than any real motor reaches. A load on an elastic shaft
-/// has the limit of its motor, through the gear.
+/// Speed limit of every simulated motor at the end of a tick, whatever torque drives it [UU/s]: a
+/// million revolutions per minute, more than any real motor reaches. A load on an elastic shaft has
+/// the limit of its motor, through the gear.
 inline constexpr double kHighestMotorSpeed = 1.0e6 / 60.0 * kUserUnitsPerRevolution;
 
 /// Values of lower_end_stop and upper_end_stop that mean no end stop, as in 607Dh [UU].
@@ -31,12 +31,12 @@ enum class Feedback : std::uint8_t {
   dual_encoder,    ///< encoder 2 on the load: 6064h and 606Ch are the load's, through the gear
 };
 
-/// @return the word for it in a configuration: "rigid" or "two_inertia".
+/// @return the word used in a configuration: "rigid" or "two_inertia".
 [[nodiscard]] constexpr std::string_view to_string(Coupling coupling) noexcept {
   return coupling == Coupling::rigid ? "rigid" : "two_inertia";
 }
 
-/// @return the word for it in a configuration: "single_encoder" or "dual_encoder".
+/// @return the word used in a configuration: "single_encoder" or "dual_encoder".
 [[nodiscard]] constexpr std::string_view to_string(Feedback feedback) noexcept {
   return feedback == Feedback::single_encoder ? "single_encoder" : "dual_encoder";
 }

@@ -7,7 +7,7 @@
 
 namespace vdrive {
 
-/// The performance of an axis' servo loops with its motor, gear and load, computed from the design
+/// The performance of an axis's servo loops with its motor, gear and load, computed from the design
 /// without moving anything. It is valid for small deviations from a motion in progress, and leaves
 /// out Coulomb friction, backlash and encoder quantisation.
 struct LoopReport {

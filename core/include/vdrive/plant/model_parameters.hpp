@@ -88,7 +88,7 @@ inline constexpr std::array<ModelParameter, 29> kModelParameters{{
 
 /// @return nothing when the model's value of `parameter` is within its limits, otherwise the
 ///         limits, such as "must be from 0 to 6.3 rad". The lower end stop must also be below the
-///         upper one; this is checked for the lower one only.
+///         upper one; only the check of the lower one reports this.
 [[nodiscard]] std::optional<std::string> limits_broken(const AxisModel& model,
                                                        const ModelParameter& parameter);
 

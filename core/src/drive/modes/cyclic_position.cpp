@@ -14,7 +14,7 @@ namespace {
 
 using namespace vdrive::literals;
 
-/// 607Ah plus 60B0h, with the wrap-around of registers.
+/// 607Ah plus 60B0h, wrapping around as the registers do.
 std::int32_t set_point(const Drive& drive) {
   return static_cast<std::int32_t>(unsigned_reg(drive, "position_user_target_value"_object) +
                                    unsigned_reg(drive, "position_offset"_object));
@@ -24,7 +24,7 @@ void take_position(Drive& drive, ObjectRow row) {
   if (row == "position_user_target_value"_object) note_set_point(drive);
 }
 
-/// Bit 4 has no meaning in this mode, except for a drive that waits for it.
+/// Bit 4 has no meaning in this mode, except for a drive that waits for it (5E20h:02).
 void command(Drive& drive, const WrittenControlword& word) {
   if (!drive.registers().habits.gates_stream) ignore_edge(drive, word);
 }
@@ -67,7 +67,7 @@ std::uint16_t status_bits(const Drive& drive) {
                                     reached_when(shows_points(drive) && stands));
 }
 
-/// Every tick covers a part of the way.
+/// Every tick continues the interpolation.
 bool evolves(const Drive& drive) {
   return drive.state().power.on;
 }

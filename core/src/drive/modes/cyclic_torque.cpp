@@ -14,10 +14,10 @@ namespace {
 
 using namespace vdrive::literals;
 
-/// A command further than this from its demand counts as held back [‰ of rated].
+/// A commanded torque farther than this from the demand counts as held back [‰ of rated].
 constexpr double kHeldBack = 0.5;
 
-/// 6071h and 60B2h.
+/// 6071h plus 60B2h.
 std::int32_t set_point(const Drive& drive) {
   return static_cast<std::int32_t>(reg(drive, "target_torque"_object) +
                                    reg(drive, "torque_offset"_object));
@@ -28,8 +28,8 @@ void take_torque(Drive& drive, ObjectRow row) {
 }
 
 /// A limit switch counts in the direction of the torque or, without torque, in the direction in
-/// which the axis drifts. A torque continues without a master, so halt ends the stream; the next
-/// set-point starts a new one.
+/// which the axis drifts. Halt ends the stream: otherwise the last torque would be applied again
+/// afterwards, even without a master. The next set-point starts a new stream.
 void advance(Drive& drive) {
   if (!obeys_mode(drive) || !is_streaming(drive)) return;
   if (halted(drive)) {
@@ -44,8 +44,8 @@ void advance(Drive& drive) {
     end_stream(drive);
 }
 
-/// The torque at which the interpolation starts. If another loop was the outermost one, it is the
-/// torque that this loop commands.
+/// The torque at which the interpolation starts. If another loop was the outermost one, this is the
+/// torque that the loop commands.
 double demand_torque(const Drive& drive) {
   const DemandState& demand = drive.state().demand;
   return demand.control == ControlLoop::torque ? demand.torque : commanded_torque(drive);
@@ -86,7 +86,7 @@ std::uint16_t status_bits(const Drive& drive) {
   return follows ? Statusword::kFollowsCommand : 0U;
 }
 
-/// Every tick covers a part of the way, and the axis may drift into a limit switch.
+/// Every tick continues the interpolation, and the axis may drift into a limit switch.
 bool evolves(const Drive& drive) {
   return drive.state().power.on;
 }

@@ -5,7 +5,7 @@
 
 namespace vdrive {
 
-/// Cyclic synchronous torque (6061h = 10): 6071h is streamed, bounded by 607Fh.
+/// Cyclic synchronous torque (6061h = 10): 6071h is streamed; 607Fh and 6080h limit the speed.
 extern const Mode kCyclicTorque;
 
 }  // namespace vdrive

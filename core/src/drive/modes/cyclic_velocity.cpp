@@ -27,8 +27,8 @@ void take_velocity(Drive& drive, ObjectRow row) {
   if (row == "target_velocity"_object) note_set_point(drive);
 }
 
-/// A velocity continues without a master, so halt ends the stream; the next set-point starts a new
-/// one.
+/// Halt ends the stream: otherwise the axis would resume the last velocity afterwards, even without
+/// a master. The next set-point starts a new stream.
 void advance(Drive& drive) {
   if (!obeys_mode(drive) || !is_streaming(drive)) return;
   if (halted(drive)) {
@@ -65,7 +65,7 @@ double torque_offset(const Drive& drive) {
 }
 
 /// Bit 12: the demand is at the streamed velocity or on its way there, neither stopped nor limited
-/// by 607Fh.
+/// by 607Fh or 6080h.
 std::uint16_t status_bits(const Drive& drive) {
   const DriveState& s = drive.state();
   const DriveRegisters& registers = drive.registers();
@@ -75,7 +75,7 @@ std::uint16_t status_bits(const Drive& drive) {
   return follows ? Statusword::kFollowsCommand : 0U;
 }
 
-/// Every tick covers a part of the way.
+/// Every tick continues the interpolation.
 bool evolves(const Drive& drive) {
   return drive.state().power.on;
 }

@@ -6,7 +6,6 @@
 
 namespace vdrive {
 
-/// The stages of a homing run.
 enum class HomingStage : std::uint8_t {
   idle,       // not started, or interrupted
   present,    // the present position is home
@@ -24,7 +23,6 @@ enum class HomingStage : std::uint8_t {
   failed,
 };
 
-/// State of homing.
 struct HomingState {
   HomingStage stage = HomingStage::idle;
   std::int8_t method = 0;  // 6098h

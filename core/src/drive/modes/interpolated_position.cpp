@@ -81,15 +81,15 @@ void pull_record(Drive& drive) {
   stream.stage = StreamStage::begins;
 }
 
-/// @return the record that the demand is going to.
+/// @return the record that the demand is heading for.
 std::int32_t present_record(const Drive& drive) {
   return drive.registers().interpolation.set_point;
 }
 
-/// Bit 4 is a level that each tick reads.
+/// Bit 4 is a level that each tick reads, so its edges are not counted.
 void command(Drive& /*drive*/, const WrittenControlword& /*word*/) {}
 
-/// A record moves the axis only once: when interpolation ends, the rest of the interrupted way is
+/// A record moves the axis only once: when interpolation ends, the rest of the interrupted move is
 /// dropped, while records that no tick has taken yet stay in the buffer.
 void advance(Drive& drive) {
   DriveState& s = drive.state();
@@ -146,7 +146,7 @@ std::uint16_t status_bits(const Drive& drive) {
                                     (is_active ? Statusword::kInterpolationActive : 0U));
 }
 
-/// Every tick covers a part of the way.
+/// Every tick continues the interpolation.
 bool evolves(const Drive& drive) {
   return drive.state().power.on;
 }

@@ -37,7 +37,8 @@ SetPoint candidate(const Drive& drive) {
           .relative = (drive.state().controlword & Controlword::kRelative) != 0};
 }
 
-/// The origin of a relative set-point with this 60F2h: bits 0 and 1, independent of the direction.
+/// The base of a relative set-point, by bits 0 and 1 of `option` (60F2h); the direction bits do not
+/// matter.
 double relative_base(const Drive& drive, std::int64_t option) {
   switch (option & PositioningOption::kRelativeBits) {
     case 0:
@@ -49,8 +50,8 @@ double relative_base(const Drive& drive, std::int64_t option) {
   }
 }
 
-/// The internal target of `set_point`. The sign of a relative one is its direction, even on a
-/// modulo axis.
+/// The internal target of `set_point`. The sign of a relative set-point gives its direction, even
+/// on a modulo axis.
 double target_of(const Drive& drive, const SetPoint& set_point) {
   const auto value = static_cast<double>(set_point.position_user_target_value);
   const std::int64_t option = set_point.positioning_option_code;
@@ -73,14 +74,13 @@ bool is_synchronous(const SetPoint& set_point) {
   return set_point.synchronous_move_duration != 0;
 }
 
-/// @return whether the times of `set_point` apply to its own way rather than to a reference way.
+/// @return whether the times of `set_point` apply to its own distance, not to a reference distance.
 bool is_timed(const SetPoint& set_point) {
   return is_synchronous(set_point) && set_point.synchronous_move_reference_way == 0;
 }
 
 /// A master sees the end of a motion only in 6062h and 606Bh. These are rounded, so they show the
-/// end up to half a unit early, when the motion may still have a fraction of a microsecond, or of a
-/// rounded time, to go.
+/// end up to half a unit early, while the motion has not quite ended.
 /// @return whether the demand is at rest or already shown as arrived.
 bool shows_rest(const Drive& drive) {
   const DriveState& s = drive.state();
@@ -88,8 +88,8 @@ bool shows_rest(const Drive& drive) {
                               nearest(demand_position(drive)) == nearest(s.target.position));
 }
 
-/// @return whether a synchronous move (5E10h) can keep its times. With times for its own way, it
-///         must start from rest. There must be time to accelerate and to decelerate and, within
+/// @return whether a synchronous move (5E10h) can keep its times. With times for its own distance,
+///         it must start from rest. There must be time to accelerate and to decelerate and, within
 ///         each of these, time for the jerk at both ends.
 bool times_fit(const Drive& drive, const SetPoint& set_point) {
   const MoveTimes times = times_of(set_point);
@@ -99,8 +99,8 @@ bool times_fit(const Drive& drive, const SetPoint& set_point) {
          2.0 * times.jerk <= std::min(times.acceleration, times.deceleration);
 }
 
-/// Changes to the frame in which a synchronous move with times for its own way will start. Before
-/// that, the way to an absolute target is not known, and the move cannot be checked.
+/// Changes to the frame in which a synchronous move with times for its own distance will start.
+/// Before that, the distance to an absolute target is not known, and the move cannot be checked.
 void enter_frame(Drive& drive, const SetPoint& set_point) {
   if (is_timed(set_point) && times_fit(drive, set_point)) {
     rebase(drive);
@@ -108,8 +108,8 @@ void enter_frame(Drive& drive, const SetPoint& set_point) {
   }
 }
 
-/// @return the way [UU] to which the times of a synchronous move to `target` apply; unsigned for a
-///         reference way.
+/// @return the distance [UU] to which the times of a synchronous move to `target` apply; signed,
+///         except for a reference distance.
 double way_of_times(const Drive& drive, const SetPoint& set_point, double target) {
   return is_timed(set_point) ? target - demand_position(drive)
                              : set_point.synchronous_move_reference_way;
@@ -143,10 +143,10 @@ void start(Drive& drive, const SetPoint& set_point) {
     r.set_point.limits =
         limits_of(way_of_times(drive, set_point, s.target.position), r.set_point.times);
     if (r.set_point.limits.deceleration == 0.0) {
-      r.set_point.limits.deceleration = 1.0;  // nothing to travel, but a halt plans a stop
+      r.set_point.limits.deceleration = 1.0;  // no distance, but halt still plans a stop
     }
   }
-  // The start of the profile was rebased too: the request must not compare equal to an earlier one.
+  // Rebasing also moved the start of the profile: the request must not equal an earlier one.
   r.request = {};
   s.modes.position.active = true;
   s.window.dwell = 0;
@@ -199,16 +199,16 @@ MotionRequest normal_stop(const Drive& drive) {
   return profile_stop(drive, "profile_dec"_object);
 }
 
-/// Jerk of the ramps that follow from the times of a synchronous move.
+/// Jerk of the ramps given by the times of a synchronous move.
 MotionJerk synchronous_jerk(const Drive& drive) {
   const ActiveSetPoint& set_point = drive.registers().set_point;
   return jerk_of(set_point.limits, set_point.times);
 }
 
-/// From rest, the plan takes the common times. After a halt the remaining way is planned with the
-/// same ramps and the same peak velocity, so that axes which halt and continue together stay on
-/// their line. With a reference way they do so from any state: if the states, ways and limits of
-/// several axes are proportional to each other, so are their plans.
+/// From rest, the plan takes the common times. After a halt the remaining distance is planned with
+/// the same ramps and the same peak velocity, so that axes which halt and continue together stay on
+/// their line. With a reference distance they do so from any state: if the states, distances and
+/// limits of several axes are proportional to each other, so are their plans.
 MotionRequest synchronous_move(const Drive& drive) {
   const DriveRegisters& r = drive.registers();
   const TargetState& target = drive.state().target;
@@ -267,7 +267,7 @@ void take_next(Drive& drive) {
   }
 }
 
-/// Bit 10: the target is reached, or under halt, standstill; bit 12: the acknowledge.
+/// Bit 10: the target is reached, or under halt, standstill; bit 12: set-point acknowledge.
 std::uint16_t status_bits(const Drive& drive) {
   const SetPointState& set_points = drive.state().modes.position;
   const bool acknowledged = set_points.queue.acknowledge() || set_points.acknowledges_enabling;

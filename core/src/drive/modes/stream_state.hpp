@@ -5,7 +5,6 @@
 
 namespace vdrive {
 
-/// State of the stream of set-points.
 enum class StreamStage : std::uint8_t {
   none,    // the set-point has not been written since the mode became active
   begins,  // it has been written, but no tick has taken it yet

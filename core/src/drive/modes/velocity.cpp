@@ -86,8 +86,8 @@ void watch(Drive& drive) {
   count_ticks(std::abs(error) <= window.velocity, window.dwell);
 }
 
-/// Bit 10: the input of the ramp is reached, or under halt, standstill; bit 11: a speed limit
-/// changes 6042h.
+/// Bit 10: the input of the ramp is reached, or under halt, standstill; bit 11: 6042h is limited by
+/// 6046h, 607Fh or 6080h.
 std::uint16_t status_bits(const Drive& drive) {
   const WindowState& window = drive.state().window;
   const bool reached = halted(drive) ? at_rest(drive) : window.dwell > window.velocity_ticks;

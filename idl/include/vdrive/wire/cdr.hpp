@@ -19,7 +19,7 @@
 #include <utility>
 #include <vector>
 
-/// The only place that writes and reads plain CDR (XCDR version 1): numbers, texts, and everything
+/// The only code that writes and reads plain CDR (XCDR version 1): numbers, strings, and everything
 /// that has a description.
 namespace vdrive::wire {
 
@@ -71,7 +71,7 @@ class CdrWriter {
     if (auto* const place = take(bytes.size())) std::memcpy(place, bytes.data(), bytes.size());
   }
 
-  /// Writes a text up to its first NUL.
+  /// Writes a string up to its first NUL.
   void put(std::string_view text) noexcept {
     text = text.substr(0, text.find('\0'));
     put(static_cast<std::uint32_t>(text.size() + 1));
@@ -168,7 +168,7 @@ void write_sample(Bytes& bytes, const Write& write) {
   write(writer);
 }
 
-/// @return the minimum size of a value [bytes]; for a text or sequence, the size of its length
+/// @return the minimum size of a value [bytes]; for a string or sequence, the size of its length
 ///         field.
 template <typename Value>
 constexpr std::size_t smallest_size() noexcept {
@@ -186,7 +186,7 @@ constexpr std::size_t smallest_size() noexcept {
 }
 
 /// Reads plain CDR in either byte order and checks every length before using it. After the first
-/// failure every value is 0 and every text and sequence is empty.
+/// failure every value is 0 and every string and sequence is empty.
 class CdrReader {
  public:
   explicit CdrReader(std::span<const std::byte> sample) noexcept
@@ -220,7 +220,7 @@ class CdrReader {
     }
   }
 
-  /// @return a text up to its first NUL; it refers to the bytes of the sample.
+  /// @return a string up to its first NUL, as a view of the bytes of the sample.
   [[nodiscard]] std::string_view next_text() noexcept {
     const std::size_t length = next<std::uint32_t>();
     if (length == 0 || !has(length)) return {};
@@ -295,8 +295,8 @@ class CdrReader {
     } else {
       for (Element& element : elements) get(member, element, resize);
     }
-    // If a sequence in an element is beyond its bound, drop all elements: that one was read only in
-    // part.
+    // If a sequence in an element is beyond its bound, drop all elements, because that element was
+    // read only in part.
     if (!beyond_bound_.empty()) resize(elements, 0);
   }
 
@@ -337,7 +337,7 @@ template <DescribedStruct Struct>
 constexpr std::size_t place_of_member(std::string_view name, std::size_t begin = 0) {
   std::size_t place = 0;
   bool is_found = false;
-  bool is_fixed = true;  // all members so far
+  bool is_fixed = true;  // all members so far have a fixed size
   for_each_member<Struct>([&]<typename Number>(const Member<Struct, Number>& member) {
     if (is_found) return;
     if (!is_fixed) has_no_fixed_place();
@@ -346,7 +346,7 @@ constexpr std::size_t place_of_member(std::string_view name, std::size_t begin =
       is_found = member.name == name;
       if (!is_found) place += sizeof(Number);
     } else {
-      // The length of a text or of a sequence.
+      // The length of a string or of a sequence.
       place += cdr_gap(begin + place, sizeof(std::uint32_t));
       is_found = member.name == name;
       is_fixed = false;
@@ -357,7 +357,7 @@ constexpr std::size_t place_of_member(std::string_view name, std::size_t begin =
 }
 
 /// Returns the end of a value that starts at `begin`, both counted from the end of the
-/// encapsulation. Bounded texts and sequences count with their maximum length, unbounded ones as
+/// encapsulation. Bounded strings and sequences count with their maximum length, unbounded ones as
 /// empty.
 template <CdrNumber Number>
 constexpr std::size_t largest_end(std::size_t begin, std::type_identity<Number>,

@@ -39,8 +39,8 @@ std::size_t encode(const Message& message, std::span<std::byte> output) noexcept
   return encode(Topic<Message>::kId, &message, output);
 }
 
-/// Reads the sample of a message type of topics.hpp. Texts beyond their bound are truncated. Does
-/// not allocate once the message has had its largest size, except for sequences within sequences.
+/// Reads a sample of a message type of topics.hpp. Strings longer than their bound are truncated.
+/// Does not allocate once `message` has had its largest size, except for sequences in sequences.
 template <typename Message>
 [[nodiscard]] Decoding decode_checked(std::span<const std::byte> sample, Message& message) {
   return decode(Topic<Message>::kId, sample, &message);
@@ -56,8 +56,8 @@ template <typename Message>
 /// does not allocate once each message has had its largest size.
 class CommandDecoder {
  public:
-  /// @param spare number of commands that have room for their objects from the start; further ones
-  ///        allocate theirs when first needed
+  /// @param spare number of commands whose room for objects is allocated from the start; further
+  ///        ones allocate theirs when first needed
   explicit CommandDecoder(std::size_t spare = 0);
 
   /// After the first call `frame` has room for the largest message.
@@ -73,7 +73,7 @@ class CommandDecoder {
   void resize(std::vector<msg::AxisCommand>& axes, std::size_t count);
   Decoding result_of(const CdrReader& reader) noexcept;
 
-  std::vector<msg::AxisCommand> spare_;  ///< keep the capacity of their sequences
+  std::vector<msg::AxisCommand> spare_;  ///< unused; keep the capacity of their sequences
   msg::Reason too_long_{};
 };
 

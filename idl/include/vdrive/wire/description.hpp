@@ -27,7 +27,7 @@ struct MemberTraits {
   std::string_view help{};
   std::size_t bound = 0;  ///< elements of a sequence; 0 = no sequence, or unbounded
   bool is_key = false;
-  double least = 0;  ///< range, with `most`; both 0 = that of the type
+  double least = 0;  ///< range, with `most`; both 0 = range of the type
   double most = 0;
   FigureKind figure = FigureKind::none;  ///< none = not a metric
   bool is_headline = false;              ///< a metric shown even where there is room for only a few

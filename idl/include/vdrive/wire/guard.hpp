@@ -16,27 +16,27 @@ enum class Refusal : std::uint8_t {
   header,        ///< not an RTPS header of version 2
   length,        ///< a submessage ends outside the datagram, or is too short for its kind
   submessage,    ///< a kind that no conforming participant sends
-  statistics,    ///< the library's own 0x80 in the wrong place or of the wrong length
+  statistics,    ///< the library's submessage 0x80 in the wrong place or of the wrong length
   sequence,      ///< a sequence number below its minimum or above 2^40
   range,         ///< a HEARTBEAT or GAP whose range is reversed or too wide
   set,           ///< a sequence number set of more than 256 bits
   data,          ///< a DATA with neither data nor key nor status, or with both data and key
   fragment,      ///< fragments that do not fit their sample, or a sample above 16 MB
   parameters,    ///< an unterminated parameter list, or a text longer than its parameter
-  announcement,  ///< a participant announcement without a lease or in another one's name
+  announcement,  ///< an announcement without a lease or in the name of another participant
   participants,  ///< more participants than the guard keeps (4,096)
   security,      ///< an encrypted part with a wrong length or order
-  handshake,     ///< a token or handshake message: fragmented, or a count or length exceeds it
-  unprotected,   ///< in the closed mode: unencrypted, though it must not be
-  jump,          ///< a sequence number far from all that its writer has sent
+  handshake,     ///< a token or handshake message in pieces, or with a count or length beyond it
+  unprotected,   ///< in the closed mode: unencrypted content that must be encrypted
+  jump,          ///< a sequence number far from those that its writer has sent
 };
 
-constexpr std::size_t kRefusals = 17;  ///< with `none`
+constexpr std::size_t kRefusals = 17;  ///< including `none`
 
-/// @return a text for a log, such as "an unterminated parameter list".
+/// @return words for a log, such as "an unterminated parameter list".
 [[nodiscard]] std::string_view describe(Refusal refusal) noexcept;
 
-/// A vdrive participant is removed after this silence; it announces itself ten times a second.
+/// A vdrive participant that is silent for this long is removed; it announces itself every 100 ms.
 inline constexpr std::chrono::milliseconds kPatienceWithVdrive{2'500};
 
 /// Counts of the guard of a participant, since the participant was created.

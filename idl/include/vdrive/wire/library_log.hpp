@@ -10,12 +10,12 @@ namespace vdrive::wire {
 /// At most one per process; the program creates it, not a library.
 class LibraryLog {
  public:
-  /// Called in the log thread of the library, with the part of the library and its message.
+  /// Called in the log thread of the library, with the part of the library that logs and the text.
   using Sink = std::function<void(const std::string& part, const std::string& words)>;
 
   explicit LibraryLog(Sink sink);
 
-  /// From here on nothing is printed, because the process is ending.
+  /// Does not restore the output of the library, because the process is ending.
   ~LibraryLog();
 
   LibraryLog(const LibraryLog&) = delete;

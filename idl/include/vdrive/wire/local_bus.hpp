@@ -18,8 +18,8 @@ class LocalBus {
  public:
   /// The work of a bench, done by the threads of its clients.
   struct Work {
-    /// Does pending work, unless another thread is doing it; does not wait. Returns after some of
-    /// the work, because the caller may already have what it waits for.
+    /// Does pending work, unless another thread is doing it; does not wait. May return before all
+    /// of it is done, because the caller may already have what it waits for.
     std::function<LocalWork()> run;
     /// @return whether the bench can accept the next message of a client.
     std::function<bool()> has_room;

@@ -13,8 +13,8 @@
 
 namespace vdrive::wire {
 
-/// A text in a message: up to `kBound` bytes stored inline, without a NUL. A longer text is
-/// truncated, and so is a text at its first NUL, as DDS libraries do.
+/// A string in a message: up to `kBound` bytes stored inline, without a NUL. It is cut off at its
+/// bound and, as in DDS libraries, at its first NUL.
 template <std::size_t kBound>
 class Text {
  public:

@@ -107,17 +107,17 @@ class Participant {
   [[nodiscard]] virtual std::unique_ptr<SampleReader> make_reader(TopicId topic,
                                                                   SampleHandler handler) = 0;
 
-  /// @return where it is, for people: "on this bus" or "on domain 7".
+  /// @return where this participant is, for messages: "on this bus" or "on domain 7".
   [[nodiscard]] virtual std::string place() const = 0;
 
   /// @return the DDS domain; 0 on a local bus.
   [[nodiscard]] virtual std::uint32_t domain() const noexcept { return 0; }
 
-  /// @return whether it uses DDS Security; it then exchanges data only with participants of the
-  ///         same closed network.
+  /// @return whether this participant uses DDS Security and so exchanges data only with
+  ///         participants of the same closed network.
   [[nodiscard]] virtual bool is_closed() const noexcept { return false; }
 
-  /// @return the source that its messages show.
+  /// @return the source that receivers of its messages see.
   [[nodiscard]] virtual Source source() const noexcept = 0;
 
   /// Makes all participants read its announcement again. The library reads each announcement only
@@ -156,8 +156,8 @@ class Participant {
   /// Records that the session has left every clock.
   virtual void leave_clocks(std::uint64_t /*session*/) noexcept {}
 
-  /// @return the present obstacles to finding others, one line of text each: a name that does not
-  ///         resolve, a discovery server that does not answer.
+  /// @return what prevents finding others at present, one line each: a name that does not resolve,
+  ///         a discovery server that does not answer.
   [[nodiscard]] virtual std::vector<std::string> troubles() const { return {}; }
 
   /// @return the counts of the guard; all zero without a guard.

@@ -19,7 +19,7 @@ struct OtherParticipant {
   std::string place{};     ///< NetworkSettings::place; arbitrary for other programs, may be empty
 };
 
-/// Which other participants exist, since when, and how certain that is. Over a network, a
+/// Tells which other participants exist, since when, and how certain that is. Over a network, a
 /// participant may exist without being known yet, and one that has died may still be known; the
 /// samples of a participant show whether it is alive (PresenceByAge). On a local bus exactly the
 /// existing participants are known (LocalParticipant). Thread-safe. These functions take no lock
@@ -66,13 +66,13 @@ class Presence {
   ///         need not be called.
   [[nodiscard]] virtual std::optional<std::chrono::milliseconds> pulse() const noexcept = 0;
 
-  /// @return `now` minus the pauses of this program: the time used by the questions below.
+  /// @return `now` minus the pauses of this program: the `now` for the functions below.
   [[nodiscard]] Clock::time_point running_time(Clock::time_point now) {
     return now - own_pauses(now);
   }
 
-  /// @param newest_sample of this participant; nothing = none has arrived
-  /// @return for how long it has given no sign of life; nothing if it is not known to exist.
+  /// @param newest_sample when the newest sample of `source` arrived; nothing = none has arrived
+  /// @return for how long `source` has given no sign of life; nothing if not known to exist.
   [[nodiscard]] virtual std::optional<Clock::duration> silence(
       const Source& source, std::optional<Clock::time_point> newest_sample,
       Clock::time_point now) const noexcept = 0;

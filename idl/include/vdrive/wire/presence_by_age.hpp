@@ -14,16 +14,16 @@
 
 namespace vdrive::wire {
 
-/// Presence where it is not known for certain who exists, judged by the age of samples. A gap
-/// between two calls of own_pauses beyond kLongestGap counts as a pause of this program: it was
-/// stopped, or the machine was busy.
+/// Presence judged by the age of samples, on networks where nothing shows for certain who exists. A
+/// gap between two calls of own_pauses that exceeds kLongestGap counts as a pause of this program:
+/// it was stopped, or the machine was busy.
 class PresenceByAge final : public Presence {
  public:
   static constexpr std::chrono::milliseconds kPulse{50};
   /// Three pulses: a busy machine is often late, but by less than this.
   static constexpr std::chrono::milliseconds kLongestGap{150};
-  /// How long the others take to find a program again that they have removed: about 0.1 s, longer
-  /// on a busy machine.
+  /// Time that others need to find this program again after they have removed it: about 0.1 s,
+  /// longer on a busy machine.
   static constexpr std::chrono::milliseconds kTimeToBeFoundAgain{500};
 
   using Named = std::function<std::vector<OtherParticipant>(std::string_view beginning)>;

@@ -45,7 +45,7 @@ class RequestMembers {
 enum class RequestCaller : std::uint8_t {
   anybody,  ///< even without a session
   session,  ///< any session; 0 is refused with REASON_BAD_SESSION
-  owner,    ///< the owner of its axes, or anybody if they are free: depends on the state
+  owner,    ///< the owner of the axes concerned, or anybody if they are free: depends on the state
   stepper,  ///< a stepper of the clock, or a session that may become one: depends on the state
 };
 

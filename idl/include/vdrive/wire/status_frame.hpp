@@ -58,7 +58,7 @@ struct ReceivedStatus {
 };
 
 /// A received sample of StatusFrame, read in place: axes that the program does not need cost
-/// nothing. Valid as long as the bytes.
+/// nothing. Valid as long as these bytes are.
 class StatusFrameView {
  public:
   /// @return nothing if the sample is truncated, has more than MAX_AXES_PER_FRAME axes, or is not

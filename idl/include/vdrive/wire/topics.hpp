@@ -15,7 +15,7 @@
 
 namespace vdrive::wire {
 
-/// Topics of version 1 of the wire contract are named with this prefix.
+/// Prefix of the names of all topics of version 1 of the wire contract.
 inline constexpr std::string_view kTopicPrefix = "vdrive/v1/";
 
 /// How the samples of a topic are sent and kept.
@@ -132,7 +132,7 @@ inline constexpr std::array kTopics = std::apply(
   return kTopics[static_cast<std::size_t>(topic)];
 }
 
-/// @return the topic with that number, or nothing; for numbers from another process.
+/// @return the topic with that number, or nothing; for numbers received from another process.
 [[nodiscard]] constexpr std::optional<TopicId> topic_numbered(std::size_t number) noexcept {
   return number < kTopics.size() ? std::optional(static_cast<TopicId>(number)) : std::nullopt;
 }

@@ -102,7 +102,7 @@ class ParticipantListener : public dds::DomainParticipantListener {
   virtual void lose(const rtps::GUID_t& guid) = 0;
 };
 
-/// A transport in front of another one, which sees each datagram as it leaves.
+/// Wraps another transport and sees each datagram before that transport sends it.
 class ObservingTransport : public eprosima::fastdds::rtps::ChainingTransport {
  public:
   using ChainingTransport::ChainingTransport;
@@ -117,8 +117,8 @@ class ObservingTransport : public eprosima::fastdds::rtps::ChainingTransport {
   virtual std::span<const std::uint8_t> sends(std::span<const std::uint8_t> datagram,
                                               std::vector<std::uint8_t>& changed) = 0;
   /// Sends a datagram itself to those of [first, last) to which the library must not send:
-  /// stand-ins for host names, and addresses that it has not announced. The library calls this for
-  /// each of its sockets.
+  /// stand-ins for host names, and addresses that the library has not announced to its transport.
+  /// Called for each socket of the library.
   /// @return whether it has consumed `first`; the library then sends to `rest`.
   virtual bool sends_directly(const rtps::SenderResource& low,
                               std::span<const std::uint8_t> datagram, rtps::LocatorsIterator& first,

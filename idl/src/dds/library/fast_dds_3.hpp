@@ -32,8 +32,8 @@ inline constexpr const char* kLibraryVersion = FASTDDS_VERSION_STR;
 
 /// Whether a closed participant accepts an unencrypted announcement that a member has left. It does
 /// not: PDPListener::on_new_cache_change_added requires a matched writer, and a member is matched
-/// only by its encrypted announcements (PDPSimple::notifyAboveRemoteEndpoints). The library itself
-/// detects by the lease that a member has ended without announcing it.
+/// only by its encrypted announcements (PDPSimple::notifyAboveRemoteEndpoints). Only the library
+/// can detect, by the lease, that a member has ended without announcing it.
 inline constexpr bool kMembersMayLeaveInClear = false;
 
 inline bool is_ok(dds::ReturnCode_t code) {
@@ -110,7 +110,7 @@ class ParticipantListener : public dds::DomainParticipantListener {
   virtual void lose(const rtps::GUID_t& guid) = 0;
 };
 
-/// A transport in front of another one, which sees each datagram as it leaves.
+/// Wraps another transport and sees each datagram before that transport sends it.
 class ObservingTransport : public rtps::ChainingTransport {
  public:
   using ChainingTransport::ChainingTransport;
@@ -125,8 +125,8 @@ class ObservingTransport : public rtps::ChainingTransport {
   virtual std::span<const std::uint8_t> sends(std::span<const std::uint8_t> datagram,
                                               std::vector<std::uint8_t>& changed) = 0;
   /// Sends a datagram itself to those of [first, last) to which the library must not send:
-  /// stand-ins for host names, and addresses that it has not announced. The library calls this for
-  /// each of its sockets.
+  /// stand-ins for host names, and addresses that the library has not announced to its transport.
+  /// Called for each socket of the library.
   /// @return whether it has consumed `first`; the library then sends to `rest`.
   virtual bool sends_directly(const rtps::SenderResource& low,
                               std::span<const std::uint8_t> datagram, rtps::LocatorsIterator& first,

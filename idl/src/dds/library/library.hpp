@@ -39,7 +39,7 @@ void set_times(dds::DataReaderQos& qos, const ReaderTimes& times);
 /// Makes a participant a client of a discovery server.
 void add_discovery_server(const rtps::Locator_t& server, dds::DomainParticipantQos& qos);
 
-/// Rejects larger announcements. Call after add_discovery_server().
+/// Rejects announcements larger than `largest` [bytes]. Call after add_discovery_server().
 void limit_announcements(dds::DomainParticipantQos& qos, std::uint32_t largest);
 
 /// Keeps descriptions of types off the wire.

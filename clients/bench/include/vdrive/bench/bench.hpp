@@ -44,7 +44,7 @@ struct BenchOptions {
   /// settings are refused: `network`, `metrics`, `wire`.
   std::string configuration{};
   std::filesystem::path configuration_file{};  ///< instead of `configuration`
-  std::optional<std::size_t> axes{};  ///< 1 to kMostAxes default axes, not the configured ones
+  std::optional<std::size_t> axes{};  ///< 1 to kMostAxes default axes, instead of configured ones
   /// Type of machine for the axes (docs/reference/presets.md); one axis if `axes` is not set. Empty
   /// = none.
   std::string preset{};
@@ -52,7 +52,7 @@ struct BenchOptions {
   /// `axes` or `preset`. 1 to kMostAxes; the bench assigns numbers (from 1), names ("axis1", ...)
   /// and serial numbers. Empty = none.
   std::vector<AxisConfiguration> axis_configurations{};
-  /// Of a tick, 125 us to 10 ms. Nothing = as configured, by default 1 ms.
+  /// Length of a tick, 125 us to 10 ms. Nothing = as configured, by default 1 ms.
   std::optional<std::chrono::microseconds> period{};
   /// Nothing = as configured, by default lock-step.
   std::optional<ClockMode> clock{};
