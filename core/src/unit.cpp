@@ -65,7 +65,7 @@ std::optional<std::string> check_unit_name(UnitKind kind, std::string_view name)
     return "the name of a unit must have 1 to " + std::to_string(kMaxUnitNameLength) + " bytes";
   }
   if (!is_utf8(name) || !std::ranges::all_of(name, is_name_character)) {
-    return "the name of a unit must consist of letters, such as mm";
+    return "the name of a unit may contain only letters and %, such as mm";
   }
   if (std::ranges::find(kReserved, name) != kReserved.end() ||
       scale_named(kAngles, name) != nullptr) {

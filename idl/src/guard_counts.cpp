@@ -10,7 +10,7 @@ std::string_view describe(Refusal refusal) noexcept {
   constexpr std::array<std::string_view, kRefusals> kWords{
       "accepted",
       "no RTPS header of version 2",
-      "a submessage that ends outside of the datagram or is too short",
+      "a submessage that ends outside the datagram or is too short",
       "a submessage of an unknown kind",
       "a submessage 0x80 in the wrong place or of the wrong length",
       "a sequence number out of range",
@@ -24,7 +24,7 @@ std::string_view describe(Refusal refusal) noexcept {
       "an encrypted part with wrong lengths or order",
       "a token or handshake message that is fragmented or has a count or length beyond its size",
       "unencrypted content in the closed mode",
-      "a sequence number far from all that its writer has sent"};
+      "a sequence number far from those that its writer has sent"};
   const auto kind = static_cast<std::size_t>(refusal);
   ensure(kind < kWords.size(), "each refusal has words");
   return kWords[kind];

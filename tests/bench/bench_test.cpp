@@ -119,9 +119,9 @@ TEST(Bench, RefusesAStructOfAxesThatIsWrongByName) {
   };
   std::vector<AxisConfiguration> axes(2);
   EXPECT_EQ(refusal_of({.axes = 2, .axis_configurations = axes}),
-            "axis_configurations and axes are both given: name one of them");
+            "axis_configurations and axes are both given: give only one");
   EXPECT_EQ(refusal_of({.preset = "ball-screw", .axis_configurations = axes}),
-            "axis_configurations and preset are both given: name one of them");
+            "axis_configurations and preset are both given: give only one");
   axes[1].model.load_inertia = -1.0;
   EXPECT_THAT(refusal_of({.axis_configurations = axes}), HasSubstr("axis 2: load_inertia = -1"));
   axes[1] = {};

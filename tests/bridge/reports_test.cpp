@@ -23,7 +23,7 @@ TEST(ReportLimit, LeavesOutAnEqualTextForASecond) {
   EXPECT_FALSE(limit.line_of("bench 1", "is late", kReportsBegin + 999ms));
   EXPECT_TRUE(limit.line_of("bench 2", "is late", kReportsBegin + 999ms)) << "another subject";
   EXPECT_THAT(limit.line_of("bench 1", "is late", kReportsBegin + 1s),
-              Optional(std::string("bench 1: is late (1 more before)")));
+              Optional(std::string("bench 1: is late (1 earlier suppressed)")));
   EXPECT_THAT(limit.line_of("bench 1", "is late", kReportsBegin + 2s),
               Optional(std::string("bench 1: is late")))
       << "it counts from the last line";
@@ -37,7 +37,7 @@ TEST(ReportLimit, LetsTenTextsOfASubjectThroughAtOnceAndThenFiveASecond) {
   }
   EXPECT_EQ(lines, 10);
   EXPECT_THAT(limit.line_of("joints", "later", kReportsBegin + 200ms),
-              Optional(std::string("joints: later (40 more before)")));
+              Optional(std::string("joints: later (40 earlier suppressed)")));
   EXPECT_FALSE(limit.line_of("joints", "at once", kReportsBegin + 200ms));
 }
 

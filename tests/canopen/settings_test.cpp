@@ -106,7 +106,7 @@ TEST(CanopenSettings, NameFileLineKeyValueAndLimitOfAnError) {
               HasSubstr("axes = 128: must be a whole number from 1 to 127"));
   EXPECT_THAT(
       problem_of_file("private: true\nbuses:\n  - benches: [{bench: 1, axes: 1, config: a}]\n"),
-      HasSubstr("name one of them"));
+      HasSubstr("give only one"));
 }
 
 TEST(CanopenSettings, RefuseWhatContradictsItself) {

@@ -226,7 +226,7 @@ const std::vector<Deed> kDeeds{
      [](Session& session, Axis&, Axis&) {
        session.release(1).or_throw();
      },
-     "its control was released or taken over"},
+     "control of it was released or taken over"},
     {"ATakeOver",
      [](Session&, Axis&, Axis& others) {
        others.take_over().or_throw();
@@ -266,7 +266,7 @@ const std::vector<Deed> kDeeds{
        others.quick_stop().or_throw();
        write(axis, kControlword, 0x0F);
      },
-     "was ended by another cause"},
+     "was ended by something else"},
     {"AHaltOfAnotherSession",
      [](Session&, Axis&, Axis& others) {
        others.halt().or_throw();

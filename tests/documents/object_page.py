@@ -15,11 +15,11 @@ PAGE = pathlib.Path(__file__).resolve().parents[2] / "docs" / "reference" / "obj
 HEAD = """# Objects
 
 The object dictionary of an axis, as `vdrive dictionary` prints it; `tests/documents/object_page.py` writes this page.
-Objects of the manual of the profile position mode are bold, vdrive adds the others.
+Objects of the manual of the profile position mode are bold; vdrive adds the others.
 
 - *access*: RO read only, RW writable; *stored*: `vdrive store` keeps the value. A write takes effect immediately;
   *at set-point*: with the next set-point; *at enable*: with the next transition to Operation enabled.
-- *range*: empty if it is that of the type.
+- *range*: blank = the full range of the type.
 
 | object | variable name | type | access | default [unit] | range |
 |---|---|---|---|---|---|

@@ -131,7 +131,7 @@ def test_a_library_of_another_build_is_refused_by_name(tmp_path):
     """, PYTHONPATH=str(tmp_path))
     lines = output.splitlines()
     assert len(lines) == 2 and lines[0] == lines[1]
-    assert f'{library} is of "{other.decode()}"' in lines[0]
+    assert f'{library} was built as "{other.decode()}"' in lines[0]
     assert f'{package / "_vdrive"}' in lines[0] and own[0].decode() in lines[0]
     assert "Install both from one build" in lines[0]
 

@@ -206,7 +206,7 @@ def test_a_status_is_compared_by_its_values_and_can_be_stored(axis):
     assert axis.status() != first and first != 1
     state = first.__getstate__()
     for other in (state[:-1], (*state[:-1], state[-1] + b"x")):
-        with pytest.raises(ValueError, match="of another version of vdrive"):
+        with pytest.raises(ValueError, match="from another version of vdrive"):
             stored.__setstate__(other)
 
 

@@ -302,7 +302,7 @@ INSTANTIATE_TEST_SUITE_P(
         Refused{"name_twice", "axes:\n  - {number: 1, name: a}\n  - {number: 2, name: a}",
                 "bench.yaml:3: axes[1]: axis name a appears twice"},
         Refused{"name_like_a_number", "axes:\n  - {number: 1, name: 1.2}",
-                "bench.yaml:2: axes[0].name = 1.2: a name must not contain blanks"},
+                "bench.yaml:2: axes[0].name = 1.2: a name must not contain spaces"},
         Refused{
             "model_key", "axes:\n  - number: 1\n    model: {inertia: 1}",
             "bench.yaml:3: axes[0].model.inertia: unknown key; known here: coupling, feedback, "},
@@ -584,7 +584,7 @@ TEST(Configuration, RefusesAUnitThatIsIncompleteMixedOrOutOfRange) {
   EXPECT_EQ(refusal_of_unit("{kind: rotary, per_unit: 5}"),
             place + ".per_unit = 5: cannot be used with kind: rotary; use per_revolution");
   EXPECT_EQ(refusal_of_unit("{kind: linear, name: m2, per_unit: 5}"),
-            place + ".name = m2: the name of a unit must consist of letters, such as mm");
+            place + ".name = m2: the name of a unit may contain only letters and %, such as mm");
   for (const char* const size : {"0", "-1", "9e-07", "1.1e+09"}) {
     EXPECT_EQ(refusal_of_unit(std::string("{kind: rotary, per_revolution: ") + size + "}"),
               place + ".per_revolution = " + size + ": must be from 1e-06 to 1e+09 user units");

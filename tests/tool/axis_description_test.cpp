@@ -88,8 +88,8 @@ TEST(AxisDescription, SaysThatTheTickOfAnOldFaultIsNotKept) {
   reading_of(readings, kNewestError).value = 0x2310;
   const AxisDescription described{kBench, axis, status, readings};
   EXPECT_THAT(description_text(described),
-              Contains("  last fault  0x2310 continuous over-current, in a tick that the bench "
-                       "does not keep, reset"));
+              Contains("  last fault  0x2310 continuous over-current, at a tick that is no "
+                       "longer known, reset"));
   EXPECT_TRUE(description_json(described)["fault"]["tick"].is_null());
 }
 

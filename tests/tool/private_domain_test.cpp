@@ -164,7 +164,7 @@ TEST_F(PrivateDomains, OfTwoUsersDiffer) {
 TEST_F(PrivateDomains, AreBoundedForOneUser) {
   std::vector<std::unique_ptr<PrivateDomain>> own;
   (void)claim(own, PrivateDomain::kMostOfOneUser);
-  EXPECT_THAT(refusal(), HasSubstr("has 64 of the DDS domains 20 to 99, the most that one user"));
+  EXPECT_THAT(refusal(), HasSubstr("has 64 of the DDS domains 20 to 99, the limit for one user"));
   own.pop_back();
   EXPECT_EQ(refusal(), "none");
 }

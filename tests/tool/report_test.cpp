@@ -325,14 +325,14 @@ TEST(MotionText, HasPlaceSpeedAndTheTimeThatIsLeft) {
   axis.status.position_demand_value = 1'097;
   axis.status.velocity_demand_value = -13;
   EXPECT_EQ(motion_text(axis, "lift", {}, 0),
-            "axis lift: at 96.42 deg of 0.00 deg at -1.14 deg/s, some 85 s more");
+            "axis lift: at 96.42 deg, target 0.00 deg, -1.14 deg/s, about 85 s left");
   EXPECT_EQ(motion_text(axis, "lift", {}, 2'000),
-            "axis lift: at 96.42 deg of 175.78 deg at -1.14 deg/s")
+            "axis lift: at 96.42 deg, target 175.78 deg, -1.14 deg/s")
       << "it leads away from the target";
   EXPECT_EQ(motion_text(axis, "lift", {}, std::nullopt),
             "axis lift: moving, at 96.42 deg, -1.14 deg/s, Operation enabled");
   axis.status.velocity_demand_value = 0;
-  EXPECT_EQ(motion_text(axis, "1.2", {}, 0), "axis 1.2: at 96.42 deg of 0.00 deg at 0.00 deg/s");
+  EXPECT_EQ(motion_text(axis, "1.2", {}, 0), "axis 1.2: at 96.42 deg, target 0.00 deg, 0.00 deg/s");
 }
 
 TEST(CountText, HasTheAxesThatAreDone) {

@@ -157,15 +157,17 @@ TEST_F(Shards, ThatWereInterruptedHaveFilesThatWereNotRun) {
 TEST_F(Shards, WhoseReportsAreNotOfOneRunAreRefused) {
   run_all(2);
   ASSERT_EQ(run(3, 3).code, 1);  // c
-  EXPECT_THAT(merge().errors, AllOf(HasSubstr("3.xml: is of shard 3 of 3, "),
-                                    HasSubstr("1.xml of shard 1 of 2: not of one run\n")));
+  EXPECT_THAT(merge().errors,
+              AllOf(HasSubstr("3.xml: belongs to shard 3 of 3, "),
+                    HasSubstr("1.xml to shard 1 of 2: they are from different runs\n")));
   std::filesystem::copy_file(of_shard(2), of_shard(3),
                              std::filesystem::copy_options::overwrite_existing);
-  EXPECT_THAT(merge().errors, HasSubstr("3.xml: is of shard 2 of 2, as "));
+  EXPECT_THAT(merge().errors, HasSubstr("3.xml: belongs to shard 2 of 2, as does "));
   std::filesystem::remove(of_shard(3));
   add("f", "enable 1.1\n");
   ASSERT_EQ(run(2, 2).code, 0);
-  EXPECT_THAT(merge().errors, HasSubstr("shard 2 of 2 is of 6 files, others of 5: not of one run"));
+  EXPECT_THAT(merge().errors,
+              HasSubstr("shard 2 of 2 is of 6 files, others of 5: they are from different runs"));
   std::filesystem::rename(tests() / "b.scn", tests() / "0.scn");
   std::filesystem::remove(tests() / "f.scn");
   ASSERT_EQ(run(2, 2).code, 0);

@@ -230,7 +230,7 @@ TEST_F(ToolInLockStep, ClearingEveryTestInputIsOneLine) {
   ASSERT_EQ(call("disturb 1.1 load_torque 5").code, 0);
   ASSERT_EQ(call("disturb 1.1 home_switch").code, 0);
   EXPECT_THAT(call("disturb 1.1 none").lines(),
-              ElementsAre(HasSubstr("1.1 every test input is 0, in force at tick ")));
+              ElementsAre(HasSubstr("1.1 all test inputs cleared, in force at tick ")));
   for (const char* const input : {"test_load_torque", "test_home_input"}) {
     EXPECT_THAT(call(std::string("read 1.1 ") + input).output, HasSubstr(" = 0")) << input;
   }
@@ -305,7 +305,8 @@ TEST_F(ToolInLockStep, AScenarioThatFailsLeavesNoDisturbance) {
 TEST_F(ToolInLockStep, StoreWithoutAStateDirectoryNamesIt) {
   const Finished finished = call("store 1.1");
   EXPECT_EQ(finished.code, 5);
-  EXPECT_THAT(finished.errors, AllOf(HasSubstr("0x08000020"), HasSubstr("vdrived --state DIR")));
+  EXPECT_THAT(finished.errors,
+              AllOf(HasSubstr("0x08000020"), HasSubstr("start vdrived with --state DIR")));
 }
 
 /// A bench in real time, and a directory for a recording.

@@ -323,7 +323,7 @@ TEST(WriterThatIsHeardLate, MayBeginWithAGapBeforeItsHeartbeat) {
 TEST(WriterThatIsHeardLate, WithoutItsFirstHeartbeatIsBegunAgain) {
   Numbers numbers;
   EXPECT_EQ(numbers.read({data(kLate)}), of({data(kLate)}));
-  EXPECT_EQ(numbers.take({heartbeat(kLate - 1, kLate)}).astray, kSender);
+  EXPECT_EQ(numbers.take({heartbeat(kLate - 1, kLate)}).needs_resync, kSender);
   (*numbers).removed(kSender);
   (*numbers).found(kSender);
   EXPECT_EQ(numbers.read({heartbeat(kLate - 1, kLate)}), of({heartbeat(1, 2)}));
@@ -334,7 +334,7 @@ TEST(WriterOfDataAlone, IsNotBegunAgainByOneHeartbeatThatIsFarFromThem) {
   numbers.take({data(kLate)});
   for (const std::int64_t number : {kLate - kReach - 1, kLate + kReach + 1, kFar}) {
     EXPECT_EQ(numbers.take({heartbeat(number, number)}).refusal, Refusal::jump) << number;
-    EXPECT_EQ(numbers.take({heartbeat(number, number)}).astray, std::nullopt) << number;
+    EXPECT_EQ(numbers.take({heartbeat(number, number)}).needs_resync, std::nullopt) << number;
   }
   EXPECT_EQ(numbers.refusal_of(data(kLate + 1)), Refusal::none);
 }
@@ -344,9 +344,9 @@ TEST(WriterOfDataAlone, IsNotBegunAgainByOneHeartbeatThatIsFarFromThem) {
 TEST(WriterThatHasSkippedNumbers, IsBegunAgainAfterHalfASecond) {
   Numbers numbers;
   numbers.take({heartbeat(1, 100)});
-  EXPECT_EQ(numbers.take({heartbeat(kLate, kLate)}).astray, std::nullopt);
-  EXPECT_EQ(numbers.take({heartbeat(kLate, kLate)}, 499ms).astray, std::nullopt);
-  EXPECT_EQ(numbers.take({heartbeat(kLate, kLate)}, 500ms).astray, kSender);
+  EXPECT_EQ(numbers.take({heartbeat(kLate, kLate)}).needs_resync, std::nullopt);
+  EXPECT_EQ(numbers.take({heartbeat(kLate, kLate)}, 499ms).needs_resync, std::nullopt);
+  EXPECT_EQ(numbers.take({heartbeat(kLate, kLate)}, 500ms).needs_resync, kSender);
 }
 
 TEST(WriterThatHasSkippedNumbers, IsBelievedOnlyWithoutAnotherWordFromIt) {
@@ -354,9 +354,9 @@ TEST(WriterThatHasSkippedNumbers, IsBelievedOnlyWithoutAnotherWordFromIt) {
   numbers.take({heartbeat(1, 100)});
   numbers.take({heartbeat(kFar, kFar)});
   numbers.take({heartbeat(1, 100)}, 250ms);
-  EXPECT_EQ(numbers.take({heartbeat(kFar, kFar)}, 500ms).astray, std::nullopt);
+  EXPECT_EQ(numbers.take({heartbeat(kFar, kFar)}, 500ms).needs_resync, std::nullopt);
   // The next one arrives more than 5 s later and counts as isolated.
-  EXPECT_EQ(numbers.take({heartbeat(kFar, kFar)}, 5'501ms).astray, std::nullopt);
+  EXPECT_EQ(numbers.take({heartbeat(kFar, kFar)}, 5'501ms).needs_resync, std::nullopt);
 }
 
 // Numbers begun by a forger are not kept, because the writer itself contradicts them.
@@ -364,7 +364,7 @@ TEST(WriterThatAForgerBegan, IsBegunAgain) {
   Numbers numbers;
   numbers.take({heartbeat(kFar, kFar)});
   EXPECT_EQ(numbers.take({heartbeat(1, 100)}).refusal, Refusal::jump);
-  EXPECT_EQ(numbers.take({heartbeat(1, 100)}, 500ms).astray, kSender);
+  EXPECT_EQ(numbers.take({heartbeat(1, 100)}, 500ms).needs_resync, kSender);
 }
 
 }  // namespace

@@ -41,7 +41,7 @@ constexpr const char* kTextOfOptions = "configuration";
 
 Configuration read(const BenchOptions& options) {
   if (!options.configuration.empty() && !options.configuration_file.empty()) {
-    throw BenchError("configuration and configuration_file are both given: name one of them");
+    throw BenchError("configuration and configuration_file are both given: give only one");
   }
   if (!options.configuration_file.empty()) {
     return service::load_configuration(options.configuration_file);
@@ -82,7 +82,7 @@ void refuse_two_kinds_of_axes(const BenchOptions& options) {
   if (options.axis_configurations.empty()) return;
   if (options.axes || !options.preset.empty()) {
     throw BenchError(std::string("axis_configurations and ") + (options.axes ? "axes" : "preset") +
-                     " are both given: name one of them");
+                     " are both given: give only one");
   }
 }
 
@@ -120,7 +120,7 @@ Configuration configuration_of(const BenchOptions& options) {
   }
   if (options.clock && !clock_mode_named(to_string(*options.clock))) {
     throw BenchError("clock = " + std::to_string(static_cast<int>(*options.clock)) +
-                     ": no clock mode");
+                     ": not a clock mode");
   }
   if (options.clock) configuration.clock = *options.clock;
   if (options.period) configuration.period = *options.period;

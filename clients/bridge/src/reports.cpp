@@ -42,7 +42,7 @@ std::optional<std::string> ReportLimit::line_of(const std::string& subject, cons
   const auto left_out = pass(subjects_[subject], text, now);
   if (!left_out) return std::nullopt;
   std::string line = escaped(subject + ": " + text, kLongestText);
-  if (*left_out > 0) line += " (" + std::to_string(*left_out) + " more before)";
+  if (*left_out > 0) line += " (" + std::to_string(*left_out) + " earlier suppressed)";
   return line;
 }
 

@@ -132,7 +132,7 @@ std::size_t others(const Holders& holders, uid_t user, std::uint32_t domain) {
 }
 
 /// Shares the domain with a user who has too many domains, and with nobody else.
-int claim_beside(uid_t squatter, std::uint32_t domain) {
+int share_with(uid_t squatter, std::uint32_t domain) {
   if (others(holders_of_domains(), squatter, domain) != 0) return -1;
   const int claimed = claim(domain, true);
   // If two programs claim it at the same time, both see each other, and both go on to another
@@ -159,7 +159,7 @@ int claim_any(std::uint32_t& domain) {
   Holders holders = holders_of_domains();
   if (count_domains(holders[geteuid()]) >= PrivateDomain::kMostOfOneUser) {
     throw std::runtime_error("this user has " + std::to_string(PrivateDomain::kMostOfOneUser) +
-                             " of the DDS domains " + range + ", the most that one user gets");
+                             " of the DDS domains " + range + ", the limit for one user");
   }
   const int free = claim_first(domain, [](std::uint32_t one) {
     return claim(one, false);
@@ -168,7 +168,7 @@ int claim_any(std::uint32_t& domain) {
   holders = holders_of_domains();
   if (const auto squatter = squatter_of(holders)) {
     const int shared = claim_first(domain, [&squatter](std::uint32_t one) {
-      return claim_beside(*squatter, one);
+      return share_with(*squatter, one);
     });
     if (shared >= 0) return shared;
   }

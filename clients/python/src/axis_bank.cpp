@@ -204,7 +204,7 @@ void PyAxisBank::check(const SnapshotHead& head) const {
     if (!holds) throw py::value_error("the snapshot cannot be restored: " + what);
   };
   require(head.kind == SnapshotHead{}.kind, "these bytes are not of AxisBank.snapshot()");
-  require(head.layout == SnapshotHead{}.layout, "it is of another version of vdrive");
+  require(head.layout == SnapshotHead{}.layout, "it is from another version of vdrive");
   require(head.axes == size(),
           "it has " + std::to_string(head.axes) + " axes, the bank has " + std::to_string(size()));
   const auto period_us = static_cast<std::uint64_t>(bank_.period().count());

@@ -207,7 +207,7 @@ class ReportedQueue final : public Dependent {
   }
 
   /// Ends the queue without touching the session: another queue replaces it.
-  void leave_place() noexcept {
+  void detach() noexcept {
     if (origin.is_inherited()) return;
     const std::scoped_lock lock(mutex_);
     end();

@@ -225,7 +225,7 @@ std::shared_ptr<ReportedQueue<Item>> reported(const SharedPySession& self,
   const auto before = std::static_pointer_cast<ReportedQueue<Item>>(place.lock());
   auto queue = [&] {
     const Unlocked unlocked;
-    if (before) before->leave_place();
+    if (before) before->detach();
     return made_here<ReportedQueue<Item>>(session, capacity, std::move(observe));
   }();
   place = queue;

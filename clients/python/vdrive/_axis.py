@@ -37,29 +37,29 @@ if TYPE_CHECKING:
     CommandSpec = Literal[
         "enable", "disable", "halt", "resume", "quick_stop", "reset_fault", "power_cycle"
     ]
-    Given = tuple[str, float] | None  # the unit of the numbers in a call, and its size in UU
+    UnitSpec = tuple[str, float] | None  # the unit of the numbers in a call, and its size in UU
 
 DISTURBANCES: tuple[str, ...] = tuple(_vdrive.DISTURBANCES)
 """The names of the disturbances that Axis.disturb() knows."""
 
 
-def _int32(name: str, value: NumberSpec, unit: str, given: Given = None) -> int:
+def _int32(name: str, value: NumberSpec, unit: str, given: UnitSpec = None) -> int:
     return whole(name, value, -2**31, 2**31 - 1, unit, given)
 
 
-def _per(given: Given, time: str) -> Given:
+def _per(given: UnitSpec, time: str) -> UnitSpec:
     return given and (given[0] + time, given[1])
 
 
-def _velocity(value: NumberSpec, given: Given) -> int:
+def _velocity(value: NumberSpec, given: UnitSpec) -> int:
     return _int32("velocity", value, "UU/s", _per(given, " per s"))
 
 
-def _speed(name: str, value: NumberSpec | None, given: Given) -> int | None:
+def _speed(name: str, value: NumberSpec | None, given: UnitSpec) -> int | None:
     return optional(name, value, 0, 2**32 - 1, "UU/s", _per(given, " per s"))
 
 
-def _ramp(name: str, value: NumberSpec | None, given: Given) -> int | None:
+def _ramp(name: str, value: NumberSpec | None, given: UnitSpec) -> int | None:
     return optional(name, value, 0, 2**32 - 1, "UU/s^2", _per(given, " per s^2"))
 
 
@@ -247,7 +247,7 @@ class Axis(Handle):
                 _ramp("acceleration", acceleration, given),
                 _ramp("deceleration", deceleration, given), truth("queue", queue))
 
-    def _given(self, unit: str | None) -> Given:
+    def _given(self, unit: str | None) -> UnitSpec:
         if unit is None:
             return None
         sizes = self.unit._sizes

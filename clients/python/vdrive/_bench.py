@@ -30,7 +30,7 @@ def find_service() -> str:
 
 
 def _only_over_dds(what: str) -> ConfigurationError:
-    return ConfigurationError(f'{what} is of a bench over DDS: vdrive.Bench(..., over="dds")')
+    return ConfigurationError(f'{what} needs a bench over DDS: vdrive.Bench(..., over="dds")')
 
 
 def _whole(name: str, value: NumberSpec | None, lowest: int, highest: int) -> int | None:

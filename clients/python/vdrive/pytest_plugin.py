@@ -222,7 +222,7 @@ def pytest_addoption(parser: pytest.Parser) -> None:
         f"events either; default: {_USUAL_TICKS} of a bench in this process, 0 of one over DDS")
     parser.getgroup("vdrive").addoption(
         "--vdrive-record-dir", metavar="DIR",
-        help="where these files are; default: vdrive-failures beside the file of --junit-xml, else in "
+        help="directory of these files; default: vdrive-failures next to the file of --junit-xml, else in "
         "the current directory")
 
 
@@ -232,7 +232,7 @@ def pytest_configure(config: pytest.Config) -> None:
         "the private bench of this test, with the arguments of vdrive.Bench")
     config.addinivalue_line(
         "markers", "vdrive_judge(off={}, fail_on='error'): exceptions of the judge, each with its "
-        "reason, and the severity from which on a finding fails the test")
+        "reason, and the lowest severity that fails the test")
     config.addinivalue_line(
         "markers", "vdrive_can(axes=1, preset=None, clock=None, sync_steps=None, config=None, ...): "
         "the CAN bus of this test, with the arguments of vdrive.canopen.Bus")

@@ -123,7 +123,7 @@ Outcome check_arrival(AxesCall& call, const AxisSnapshot& at_rest, std::int32_t 
   const bool is_there = span > 0 && (std::int64_t{target} - demand) % span == 0;
   if (is_there || !is_exact) return {};
   return Outcome::failed(axis + "stopped at " + place_of_rest + " (6062h): " + move +
-                         " was ended by another cause");
+                         " was ended by something else");
 }
 
 Outcome check_set_point(const AxisSnapshot& axis) {
@@ -136,7 +136,7 @@ Outcome check_set_point(const AxisSnapshot& axis) {
   if (axis.last_sequence != 0 || !axis.has_owner) return {};
   return Outcome::failed(
       "axis " + to_string(axis.id) +
-      ": its control was released or taken over after the set-point; waited for " +
+      ": control of it was released or taken over after the set-point; waited for " +
       std::string(kTargetReached));
 }
 

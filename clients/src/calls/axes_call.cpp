@@ -546,7 +546,7 @@ Outcome AxesCall::stop_others(Outcome cause) {
   if (!stop.outcome || stop.tick == 0) return cause;
   set_timeout(kStopTime);
   note_in_force(stop.tick);
-  const Outcome rested = await("rest", stop.tick, [this](const AxisSnapshot& axis) {
+  const Outcome rested = await("standstill", stop.tick, [this](const AxisSnapshot& axis) {
     const bool stops = axis.state() == PowerState::quick_stop_active ||
                        axis.state() == PowerState::fault_reaction_active;
     const bool rests = target_reached(axis) && axis.status.velocity_demand_value == 0;

@@ -309,8 +309,8 @@ Outcome AxesCommand::begin_stop() {
 Outcome AxesCommand::acquire() {
   constexpr std::uint32_t kLocalControl = wire_code(AbortCode::refused_local_control);
   Outcome taken = call_.acquire();
-  const bool is_whole = is_group() || outcomes_.size() == 1;
-  if (taken || taken.code() != kLocalControl || is_whole) return taken;
+  const bool all_or_nothing = is_group() || outcomes_.size() == 1;
+  if (taken || taken.code() != kLocalControl || all_or_nothing) return taken;
   const BenchPart& part = call_.axes().parts().front();
   for (std::size_t place = 0; place < outcomes_.size(); ++place) {
     Outcome own = core_->control.acquire(part.target, {&call_.snapshots()[place].id.axis, 1});
@@ -506,8 +506,8 @@ Outcome AxesCommand::power_cycle(const BenchPart& part) {
   });
   if (places.empty()) return {};
   Outcome all = cycle(places);
-  const bool is_whole = is_group() || places.size() == 1;
-  if (all.kind() != OutcomeKind::refused || is_whole)
+  const bool all_or_nothing = is_group() || places.size() == 1;
+  if (all.kind() != OutcomeKind::refused || all_or_nothing)
     return core_->names.with_session_name(part.target, all);
   for (const std::size_t place : places) {
     const Outcome own = cycle({&place, 1});

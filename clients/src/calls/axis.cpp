@@ -58,9 +58,10 @@ Outcome exchange_memory(SessionCore& core, const AxisId& id, msg::Request reques
     return core.names.with_session_name(*target, std::move(outcome));
   }
   return Outcome::refused(
-      outcome.code(), what +
-                          " refused, the bench has no state directory: vdrived --state DIR; for a "
-                          "bench in a process BenchOptions::state_directory, in Python state=");
+      outcome.code(),
+      what +
+          " refused, the bench has no state directory: start vdrived with --state DIR; for a "
+          "bench in a process BenchOptions::state_directory, in Python state=");
 }
 
 }  // namespace

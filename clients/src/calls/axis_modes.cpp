@@ -372,8 +372,9 @@ Outcome stop_instead(const std::shared_ptr<SessionCore>& core, const AxisId& id,
   stop.begin();
   const bool is_seen = !stop.call().snapshots().empty();
   if (const auto master = is_seen ? new_master(*core, stop.call().snapshot()) : std::nullopt) {
-    return cause.kind() == OutcomeKind::refused ? cause.with_owner(*master)
-                                                : cause.with_prefix(to_string(*master) + " now: ");
+    return cause.kind() == OutcomeKind::refused
+               ? cause.with_owner(*master)
+               : cause.with_prefix(to_string(*master) + " at present: ");
   }
   if (is_seen && !has_no_fault(stop.call().snapshot())) return cause;  // a fault stops it
   stop.carry_out();
@@ -525,7 +526,7 @@ Outcome Axis::home(const HomingOptions& options) {
   }
   Outcome result = homing_result(call);
   Outcome dropped = call.put_in_force({kEnableOperation});  // clear bit 4 for the next edge
-  if (dropped) dropped = await_look(call);
+  if (dropped) dropped = await_controlword_loop(call);
   return result ? explain_loss(*core_, dropped, {&id_, 1}) : result;
 }
 

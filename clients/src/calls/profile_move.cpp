@@ -28,7 +28,7 @@ enum MoveObject : std::size_t {
   highest_speed,
   motor_limit = kMoveBounds.size(),
   relative_base,
-  look_loop
+  controlword_loop
 };
 
 /// 60F2h bits 0 and 1: a relative target counts from the actual position.
@@ -75,7 +75,7 @@ Outcome ProfileMove::prepare() {
   auto values = call_.take_values();
   if (!values) return values.outcome();
   before_ = std::move(values->front());
-  has_controlword_loop_ = before_[look_loop] != 0;
+  has_controlword_loop_ = before_[controlword_loop] != 0;
   std::vector<std::int64_t> in_force = before_;
   in_force.resize(kMoveBounds.size());
   in_force[velocity] = options_.velocity.value_or(before_[velocity]);
@@ -151,7 +151,7 @@ Outcome ProfileMove::start(std::int32_t target, bool relative) {
 /// A drive that evaluates every controlword has already answered that it took the set-point. Bit 12
 /// may be 0 again if another thread has cleared bit 4 after its own move.
 Outcome ProfileMove::await_acknowledge() {
-  constexpr std::string_view kAcknowledge = "the acknowledge, bit 12";
+  constexpr std::string_view kAcknowledge = "the acknowledgement, bit 12";
   if (!has_controlword_loop_) return call_.check(kAcknowledge, call_.tick());
   return call_.await_enabled(kAcknowledge, call_.tick(), [](const AxisSnapshot& axis) {
     return axis.shows(Statusword::kSetPointAcknowledge);
@@ -216,7 +216,7 @@ Outcome ProfileMove::finish() {
 Outcome ProfileMove::await_next_edge() {
   // Bit 12 of a queued set-point stays 1 until the buffer is free.
   if (options_.queue || !has_controlword_loop_) return {};
-  return call_.await("the end of the acknowledge, bit 12", call_.tick(),
+  return call_.await("the end of the acknowledgement, bit 12", call_.tick(),
                      [](const AxisSnapshot& axis) {
                        return !is_enabled(axis) || axis.mode() != OperatingMode::profile_position ||
                               !axis.shows(Statusword::kSetPointAcknowledge);

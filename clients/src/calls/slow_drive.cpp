@@ -89,7 +89,7 @@ Result<bool> enable_step_by_step(AxesCall& call, std::span<const std::size_t> pl
   return true;
 }
 
-Outcome await_look(AxesCall& call) {
+Outcome await_controlword_loop(AxesCall& call) {
   const auto loops = loops_of(call);
   const auto longest = *std::ranges::max_element(loops);
   if (longest.count() == 0) return {};

@@ -48,7 +48,7 @@ class AnswerTime {
 Result<bool> enable_step_by_step(AxesCall& call, std::span<const std::size_t> places);
 
 /// Waits until a drive with a loop (5E20h:06) has seen the controlword in force.
-Outcome await_look(AxesCall& call);
+Outcome await_controlword_loop(AxesCall& call);
 
 /// Waits until no axis that got a quick stop is in Operation enabled any more, or until the longest
 /// loop time has passed: until then, that state may date from before the stop.

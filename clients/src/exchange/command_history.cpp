@@ -135,14 +135,15 @@ void CommandHistory::note_frame(const BenchKey& key, const msg::CommandFrame& fr
     if (!ends_motion(command)) continue;  // like nearly all commands of a stream
     Entry entry = entry_of(command);
     entry.after = frame.sequence_number - 1;
-    entry.is_whole = (frame.flags & msg::FRAME_ALL_OR_NOTHING) != 0;
+    entry.all_or_nothing = (frame.flags & msg::FRAME_ALL_OR_NOTHING) != 0;
     const std::scoped_lock lock(mutex_);
     add(key, command.axis, std::move(entry));
   }
 }
 
 /// Removes the parts of a frame that the drive refused or ignored.
-void CommandHistory::take_back(Entry& entry, std::uint16_t axis, const msg::CommandReply& reply) {
+void CommandHistory::remove_refused(Entry& entry, std::uint16_t axis,
+                                    const msg::CommandReply& reply) {
   constexpr ObjectAddress kMode = kObjectRows["op_mode_cmd"_object].address;
   constexpr ObjectAddress kControlword = kObjectRows["ds402_controlword"_object].address;
   const auto& ignored = reply.ignored_set_points;
@@ -165,9 +166,9 @@ void CommandHistory::forget_refused(Entries& entries, std::uint16_t axis,
   if (entry == entries.end()) return;
   const bool is_refused = std::ranges::any_of(reply.refusals, [&](const msg::Refusal& refusal) {
     const bool is_of_axis = refusal.axis == axis && refusal.index == 0;
-    return refusal.axis == 0 || entry->is_whole || is_of_axis;
+    return refusal.axis == 0 || entry->all_or_nothing || is_of_axis;
   });
-  take_back(*entry, axis, reply);
+  remove_refused(*entry, axis, reply);
   const bool is_empty = !entry->mode && !entry->controlword && entry->written.empty();
   if (is_refused || is_empty) entries.erase(entry);
 }

@@ -56,9 +56,9 @@ class CommandHistory {
  private:
   /// One command to one axis.
   struct Entry {
-    std::uint64_t after = 0;  ///< number of the last frame before it
-    std::uint64_t tick = 0;   ///< of a request: in which it took effect; 0 = this is a frame
-    bool is_whole = false;    ///< its frame has FRAME_ALL_OR_NOTHING
+    std::uint64_t after = 0;      ///< number of the last frame before it
+    std::uint64_t tick = 0;       ///< of a request: in which it took effect; 0 = this is a frame
+    bool all_or_nothing = false;  ///< its frame has FRAME_ALL_OR_NOTHING
     std::optional<OperatingMode> mode{};         ///< 6060h
     std::optional<std::uint16_t> controlword{};  ///< 6040h, if it ends a motion
     std::optional<std::int32_t> target{};        ///< 607Ah, handed over with the controlword
@@ -80,7 +80,7 @@ class CommandHistory {
   static bool is_in_force(const Entry& entry, const AxisSnapshot& seen);
   static bool ends(const Entry& entry, OperatingMode mode);
   static std::string text_of(const Entry& entry, OperatingMode mode);
-  static void take_back(Entry& entry, std::uint16_t axis, const msg::CommandReply& reply);
+  static void remove_refused(Entry& entry, std::uint16_t axis, const msg::CommandReply& reply);
   static void forget_refused(Entries& entries, std::uint16_t axis, const msg::CommandReply& reply);
   void add(const BenchKey& key, std::uint16_t axis, Entry entry);
 

@@ -31,7 +31,7 @@ Result<std::uint64_t> Exchange::send(const Target& target, msg::Request request,
   const msg::Request& kept = unanswered_requests().add(number, target.key, std::move(request));
   if (links_.send(*link, kept)) return number;
   (void)unanswered_requests().take(number);
-  return Outcome::lost(name_of(target) + " accepts no more requests");
+  return Outcome::lost(name_of(target) + " accepts no requests: its queue is full");
 }
 
 Result<RequestAnswer> Exchange::await(const Target& target, std::uint64_t number,
@@ -110,7 +110,7 @@ Outcome Exchange::send_one(SentFrames& sent, const FrameContent& content) {
       unanswered_frames().add({target.key, sequence}, target.key, std::move(frame));
   sent.sequences.push_back(sequence);
   if (links_.send(*link, kept)) return {};
-  return Outcome::lost(name_of(target) + " accepts no more commands");
+  return Outcome::lost(name_of(target) + " accepts no commands: its queue is full");
 }
 
 msg::CommandFrame Exchange::next_frame(const Target& target, const FrameContent& content) {
@@ -133,7 +133,7 @@ Outcome Exchange::send_unawaited(const Target& target, std::span<const FrameCont
   if (!link) return link.outcome();
   for (const FrameContent& content : frames) {
     if (!links_.send(*link, next_frame(target, content))) {
-      return Outcome::lost(name_of(target) + " accepts no more commands");
+      return Outcome::lost(name_of(target) + " accepts no commands: its queue is full");
     }
   }
   return {};

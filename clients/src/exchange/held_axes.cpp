@@ -32,13 +32,13 @@ HeldAxes::Holding& HeldAxes::holding(const BenchKey& key) {
 }
 
 bool HeldAxes::note_acquired(const BenchKey& key, std::span<const std::uint16_t> axes,
-                             std::uint32_t epoch, bool lives_by_wall_clock) {
+                             std::uint32_t epoch, bool needs_keep_alive) {
   const std::scoped_lock lock(mutex_);
   Holding& held = holding(key);
   const bool is_new = held.epoch != epoch;
   if (is_new) held.epoch_since = held.sequence + 1;
   held.epoch = epoch;
-  held.lives_by_wall_clock = lives_by_wall_clock;
+  held.needs_keep_alive = needs_keep_alive;
   held.axes.insert(axes.begin(), axes.end());
   return is_new;
 }
@@ -130,7 +130,7 @@ std::vector<BenchKey> HeldAxes::to_keep_alive() const {
   const std::scoped_lock lock(mutex_);
   std::vector<BenchKey> keys;
   for (const auto& [bench, held] : held_axes_) {
-    if (held.lives_by_wall_clock && !held.axes.empty()) keys.push_back(held.key);
+    if (held.needs_keep_alive && !held.axes.empty()) keys.push_back(held.key);
   }
   return keys;
 }

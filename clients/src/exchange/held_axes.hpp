@@ -46,10 +46,10 @@ class HeldAxes {
   [[nodiscard]] std::unique_lock<std::mutex> try_lock_sending(std::uint32_t bench);
 
   /// Records a bench's answer that this session holds these axes in `epoch`.
-  /// @param lives_by_wall_clock whether the bench takes axes away from a silent session
+  /// @param needs_keep_alive whether the bench takes axes away from a silent session
   /// @return whether the epoch is new: the session has gained an axis, or lost another one.
   bool note_acquired(const BenchKey& key, std::span<const std::uint16_t> axes, std::uint32_t epoch,
-                     bool lives_by_wall_clock);
+                     bool needs_keep_alive);
 
   /// Evaluates an answer: a completely refused frame of the present epoch shows that control is
   /// lost.
@@ -101,7 +101,7 @@ class HeldAxes {
   /// The held axes of this session in one run of a service.
   struct Holding {
     BenchKey key;
-    bool lives_by_wall_clock = false;
+    bool needs_keep_alive = false;
     std::uint32_t epoch = 0;
     std::uint64_t epoch_since = 0;  ///< first sequence number sent with this epoch
     std::uint64_t sequence = 0;     ///< last one sent

@@ -28,7 +28,7 @@ using namespace literals;
 constexpr std::chrono::seconds kBeyondDuration{5};
 
 // An axis at rest may be this far from the integer position in 6062h [UU].
-constexpr double kBesideDemand = 0.5;
+constexpr double kRestTolerance = 0.5;
 
 constexpr ObjectAddress kDuration = kObjectRows["synchronous_move_duration"_object].address;
 constexpr ObjectAddress kAccelerationTime =
@@ -236,7 +236,7 @@ Result<std::vector<AxisDistance>> AxisGroup::State::ways_of(AxesCall& call,
     const double way =
         static_cast<double>(target) - call.snapshots()[place].status.position_demand_value;
     ways.push_back(
-        {.distance = std::abs(way) + kBesideDemand, .limits = own, .jerk = jerk_from(values)});
+        {.distance = std::abs(way) + kRestTolerance, .limits = own, .jerk = jerk_from(values)});
   }
   return ways;
 }

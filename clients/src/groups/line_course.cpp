@@ -127,11 +127,11 @@ bool is_on_the_move(std::span<const AxisSnapshot> axes) noexcept {
   });
 }
 
-Result<LineCourse> continued_course(const std::optional<LineCourse>& in_hand,
+Result<LineCourse> continued_course(const std::optional<LineCourse>& present_course,
                                     std::span<const AxisSnapshot> axes,
                                     std::span<const std::int32_t> targets,
                                     std::span<const Unit> units) {
-  if (!in_hand) {
+  if (!present_course) {
     const auto moving = std::ranges::find_if(axes, [](const AxisSnapshot& axis) {
       return axis.status.velocity_demand_value != 0;
     });
@@ -141,10 +141,10 @@ Result<LineCourse> continued_course(const std::optional<LineCourse>& in_hand,
                       units[static_cast<std::size_t>(moving - axes.begin())]) +
         ", but must be 0 since this group has no line to continue");
   }
-  const Measure measure(*in_hand);
+  const Measure measure(*present_course);
   if (Outcome moves = check_motion(measure, axes, units); !moves) return moves;
   if (Outcome leads = check_targets(measure, axes, targets, units); !leads) return leads;
-  LineCourse course = *in_hand;
+  LineCourse course = *present_course;
   if (std::abs(measure.share(targets[measure.longest()])) > 1.0) {
     course.farthest.assign(targets.begin(), targets.end());
   }

@@ -22,11 +22,11 @@ struct LineCourse {
 
 /// Determines the course of a line to `targets` [UU] that moving axes can join: their present
 /// course, extended if a target lies beyond it.
-/// @param in_hand the course of their present line; nothing if they move without one
+/// @param present_course the course of their present line; nothing if they move without one
 /// @param units of the axes, for messages
 /// @return refused, naming the axis, its value and the value on the line, if an axis or its target
-///         is off `in_hand` by more than the rounding to integers.
-[[nodiscard]] Result<LineCourse> continued_course(const std::optional<LineCourse>& in_hand,
+///         is off `present_course` by more than the rounding to integers.
+[[nodiscard]] Result<LineCourse> continued_course(const std::optional<LineCourse>& present_course,
                                                   std::span<const AxisSnapshot> axes,
                                                   std::span<const std::int32_t> targets,
                                                   std::span<const Unit> units);

@@ -142,7 +142,7 @@ Outcome check_objects(std::span<const SetPointFrame> frames) {
       if (count <= kMostObjectsOfSetPoint) continue;
       return Outcome::failed("the set-point of axis " + std::to_string(point.axis) + " has " +
                              std::to_string(count) + " objects; at most " +
-                             std::to_string(kMostObjectsOfSetPoint) + " are sent");
+                             std::to_string(kMostObjectsOfSetPoint) + " are allowed");
     }
   }
   return {};

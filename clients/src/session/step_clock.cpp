@@ -200,7 +200,7 @@ Result<std::vector<std::uint64_t>> StepClock::step(std::uint64_t ticks,
   if (ticks > most) {
     return Outcome::failed(std::to_string(ticks) + " ticks of " +
                            std::to_string(first.target.period.count()) +
-                           " us are more than a clock counts: at most " + std::to_string(most));
+                           " us exceed the range of a clock: at most " + std::to_string(most));
   }
   return state_->run(period * static_cast<std::int64_t>(ticks), Clock::now() + patience);
 }

@@ -92,7 +92,7 @@ struct DemoCommand {
   ExitCode start(const Program& program) const {
     for (const std::string& name : program.options.network_given) {
       if (name != "--domain") {
-        throw UsageError(name + " is for benches elsewhere; that of the demo is on this machine");
+        throw UsageError(name + " does not apply: the demo runs its bench on this machine");
       }
     }
     const auto gateway = process::find_program("vdrive-gateway");

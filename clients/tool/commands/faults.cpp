@@ -206,7 +206,7 @@ class ShownWindow {
       case client::WindowBreak::Kind::restored:
         return "a snapshot was restored";
       case client::WindowBreak::Kind::jumped:
-        return "the number of the tick jumped";
+        return "the tick number jumped";
       case client::WindowBreak::Kind::missing:
         break;
     }

@@ -14,7 +14,7 @@
 namespace vdrive::tool {
 
 /// The arguments of a command that runs an axis at a velocity (profile velocity mode).
-struct RunAt {
+struct VelocityArguments {
   Quantity velocity{};
   std::optional<Quantity> acceleration{};
   std::optional<Quantity> deceleration{};
@@ -52,7 +52,7 @@ struct HomeCommand {
 
 struct VelocityCommand {
   std::string axis{};
-  RunAt run_at{};
+  VelocityArguments run_at{};
   client::Until until = client::Until::done;
 
   void declare(Arguments& arguments);
@@ -73,7 +73,7 @@ struct TorqueCommand {
 
 struct JogCommand {
   std::string axis{};
-  RunAt run_at{};
+  VelocityArguments run_at{};
   std::optional<Duration> duration{};  ///< none = until Enter is pressed or an interrupt
 
   void declare(Arguments& arguments);

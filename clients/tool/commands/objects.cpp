@@ -258,7 +258,7 @@ Outcome clear_all(CommandContext& context, client::Axis& axis,
   }
   print_written({{"axis", to_string(axis.id()), context.axes.label_of(axis.id())},
                  {"command", "disturb"},
-                 {"inputs", inputs.size(), "every test input is 0,"}},
+                 {"inputs", inputs.size(), "all test inputs cleared,"}},
                 tick, context);
   return tick.outcome();
 }

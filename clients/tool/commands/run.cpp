@@ -74,9 +74,9 @@ ExitCode RunCommand::start(const Program& program) const {
     if (is_private) benches.check(options);
     const auto loaded = scenarios.load(program.commands);
     if (is_private) return start_privately(loaded, junit, program);
-    GlobalOptions told_at_once = options;
-    told_at_once.ends_at_silence = true;
-    return run_connected(program, told_at_once, [&](client::Session& session) {
+    GlobalOptions ending_at_silence = options;
+    ending_at_silence.ends_at_silence = true;
+    return run_connected(program, ending_at_silence, [&](client::Session& session) {
       return run_scenarios(loaded,
                            {.is_json = options.json, .is_live = live, .timeout = options.timeout},
                            junit, session, program.terminal);

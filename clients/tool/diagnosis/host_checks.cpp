@@ -113,7 +113,7 @@ Finding check_library(const HostReadings& readings, const GlobalOptions& options
   } else {
     finding.severity = Severity::hint;
     finding.advice = "let only hosts that you trust reach " + *open +
-                     ": docs/SECURITY.md lists the faults and what vdrive stops of them";
+                     ": docs/SECURITY.md lists the faults, and which of them vdrive blocks";
   }
   return finding;
 }

@@ -26,7 +26,7 @@ Finding check_ros_bench(const RosBench& bench) {
   } else if (bench.level != 0) {
     finding.severity = Severity::hint;
     finding.advice = bench.control.empty() && bench.message.find("left out") != std::string::npos
-                         ? "give each joint a name of its own: --prefix, or joints: in the "
+                         ? "give each joint a unique name: --prefix, or joints: in the "
                            "configuration of vdrive-ros2"
                          : "/diagnostics and /rosout name the reason";
   }

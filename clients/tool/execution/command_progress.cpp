@@ -104,11 +104,12 @@ void show(const std::stop_token& stop, const std::function<std::string()>& text,
 std::string motion_text(const client::AxisSnapshot& axis, const std::string& label,
                         const client::Unit& unit, std::optional<std::int32_t> target) {
   if (!target) return awaited_text(axis, label, unit, "moving");
-  std::string text =
-      "axis " + label + ": at " + position_in(unit, axis.status.position_demand_value) + " of " +
-      position_in(unit, *target) + " at " + velocity_in(unit, axis.status.velocity_demand_value);
+  std::string text = "axis " + label + ": at " +
+                     position_in(unit, axis.status.position_demand_value) + ", target " +
+                     position_in(unit, *target) + ", " +
+                     velocity_in(unit, axis.status.velocity_demand_value);
   if (const auto seconds = client::seconds_to(axis, *target)) {
-    text += ", some " + std::to_string(*seconds) + " s more";
+    text += ", about " + std::to_string(*seconds) + " s left";
   }
   return text;
 }

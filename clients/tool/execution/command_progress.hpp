@@ -80,8 +80,8 @@ class EndOfProgress {
   CommandProgress& progress_;
 };
 
-/// @return one line, only in the unit of the axis, such as "axis 1.1: at 96.42 deg of 0.00 deg at
-///         -1.14 deg/s, some 85 s more".
+/// @return one line, only in the unit of the axis, such as "axis 1.1: at 96.42 deg, target
+///         0.00 deg, -1.14 deg/s, about 85 s left".
 [[nodiscard]] std::string motion_text(const client::AxisSnapshot& axis, const std::string& label,
                                       const client::Unit& unit, std::optional<std::int32_t> target);
 

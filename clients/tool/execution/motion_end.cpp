@@ -75,8 +75,9 @@ Outcome end_endless_motion(client::Axis& axis, Outcome outcome, CommandContext& 
     context.output.terminal.print_error("vdrive: " + outcome.message());
   } else if (is_driven) {
     const Outcome halted = axis.halt();
-    return outcome.with_message(outcome.message() + "; " + end_text(halted, axis, context) +
-                                (halted ? ": after its session nothing would stop it" : ""));
+    return outcome.with_message(
+        outcome.message() + "; " + end_text(halted, axis, context) +
+        (halted ? ", because nothing would stop it after the session" : ""));
   }
   return outcome;
 }

@@ -139,7 +139,7 @@ std::string fault_line(const AxisDescription& described) {
   const bool is_present = described.status.status.error_code == *code;
   return error_text(*code) +
          (described.fault_tick ? " in tick " + std::to_string(*described.fault_tick)
-                               : ", in a tick that the bench does not keep") +
+                               : ", at a tick that is no longer known") +
          (is_present ? ", present" : ", reset");
 }
 

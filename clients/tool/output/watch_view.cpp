@@ -319,17 +319,17 @@ bool WatchView::press(Key key) {
     case Key::quit:
       return false;
   }
-  is_other_choice_ = true;
+  choice_changed_ = true;
   return true;
 }
 
 bool WatchView::refresh(Clock::time_point now) {
   const bool is_other_size = form_ == Form::table && terminal_size() != shown_size_;
-  if ((!is_new_ && !is_other_size && !is_other_choice_) || newest_.empty() || now < due_) {
+  if ((!is_new_ && !is_other_size && !choice_changed_) || newest_.empty() || now < due_) {
     return false;
   }
   is_new_ = false;
-  is_other_choice_ = false;
+  choice_changed_ = false;
   if (form_ == Form::table) {
     show_table();
   } else if (!show_lines()) {

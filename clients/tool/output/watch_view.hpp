@@ -78,7 +78,7 @@ class WatchView {
   std::map<std::uint32_t, client::Observation> newest_;  ///< by bench
   bool is_new_ = false;
   WatchChoice choice_;
-  bool is_other_choice_ = false;
+  bool choice_changed_ = false;
   TerminalSize shown_size_;
   std::vector<std::string> shown_lines_;
   Clock::time_point due_;

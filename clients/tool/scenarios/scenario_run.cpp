@@ -64,14 +64,14 @@ class AxisSearch {
     if (id && !absence_of(id->bench).empty()) {
       return Outcome::not_found("no axis " + name + ": " + absence_of(id->bench));
     }
-    if (!id && is_alone_) {
+    if (!id && no_bench_found_) {
       return Outcome::not_found("no axis is named " + in_quotes(name) + ": " +
                                 session_.no_bench_found().message());
     }
     auto found = axes.axes({name});
     if (!found) {
       names_.emplace(name, found.outcome().message());
-      is_alone_ = !id && session_.find_benches().empty();
+      no_bench_found_ = !id && session_.find_benches().empty();
     }
     return found;
   }
@@ -84,7 +84,7 @@ class AxisSearch {
   client::Session& session_;
   std::map<std::uint32_t, std::string> benches_;
   std::map<std::string, std::string> names_;  ///< names that no axis has
-  bool is_alone_ = false;                     ///< no bench was found, so no axis has a name
+  bool no_bench_found_ = false;               ///< no bench was found, so no axis has a name
 };
 
 /// The execution of one scenario.

@@ -188,14 +188,14 @@ class Merge {
   bool fits(const std::string& file, const Shard& shard) {
     if (!first_) first_ = Report{file, shard};
     if (shard.count != first_->shard.count) {
-      mistakes_.note(shown_name(file) + ": is of " + name_of_shard(shard) + ", " +
-                     shown_name(first_->file) + " of " + name_of_shard(first_->shard) +
-                     ": not of one run");
+      mistakes_.note(shown_name(file) + ": belongs to " + name_of_shard(shard) + ", " +
+                     shown_name(first_->file) + " to " + name_of_shard(first_->shard) +
+                     ": they are from different runs");
       return false;
     }
     const auto [former, is_new] = reports_.emplace(shard.number, file);
     if (!is_new) {
-      mistakes_.note(shown_name(file) + ": is of " + name_of_shard(shard) + ", as " +
+      mistakes_.note(shown_name(file) + ": belongs to " + name_of_shard(shard) + ", as does " +
                      shown_name(former->second));
       return false;
     }
@@ -204,7 +204,7 @@ class Merge {
     if (files_ == shard.files) return true;
     mistakes_.note(shown_name(file) + ": " + name_of_shard(shard) + " is of " +
                    std::to_string(shard.files) + " files, others of " + std::to_string(files_) +
-                   ": not of one run");
+                   ": they are from different runs");
     return false;
   }
 

@@ -37,7 +37,7 @@ constexpr std::array<ErrorRow, 9> kErrors{{
      "Check what blocks the load; otherwise lower the acceleration or the speed, or widen 6065h "
      "and 6066h if that is acceptable."},
     {ErrorCode::sync_controller, "sync controller error", 1U << 5U, false,
-     "Send a set-point in each cycle of 60C2h, and SYNC in time."},
+     "Send a set-point every 60C2h, and SYNC on time."},
 }};
 
 constexpr auto kCodes = [] {

@@ -24,7 +24,7 @@ Transition16 transition_16_of(std::int64_t value) {
 }
 
 ModeChangeRefusal mode_change_of(std::int64_t value) {
-  return {.under_halt = (value & 1) != 0, .behind_switched_on = (value & 2) != 0};
+  return {.under_halt = (value & 1) != 0, .beyond_switched_on = (value & 2) != 0};
 }
 
 /// @return whether 6060h may be changed with 5E20h:05 = 2: before Operation enabled, without a
@@ -54,8 +54,8 @@ void update_habits(Drive& drive) noexcept {
       .ends_homing_at_halt = is_on(drive, "habit_homing_ends_at_halt"_object),
       .needs_mode = is_on(drive, "habit_mode_before_enabling"_object)};
   DriveState& s = drive.state();
-  s.maker_bits = static_cast<std::uint16_t>(Statusword::kRemote ^
-                                            unsigned_reg(drive, "habit_statusword_bits"_object));
+  s.manufacturer_bits = static_cast<std::uint16_t>(
+      Statusword::kRemote ^ unsigned_reg(drive, "habit_statusword_bits"_object));
   s.attention = true;
   note_waits(drive);
 }
@@ -73,7 +73,7 @@ bool refuses_mode_change(const Drive& drive, OperatingMode wanted) {
   const ModeChangeRefusal& refusal = drive.registers().habits.mode_change;
   if (wanted == s.mode.wanted) return false;
   return (refusal.under_halt && halted(drive)) ||
-         (refusal.behind_switched_on && !is_before_operation(s.power.machine.state()));
+         (refusal.beyond_switched_on && !is_before_operation(s.power.machine.state()));
 }
 
 }  // namespace vdrive

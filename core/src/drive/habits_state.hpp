@@ -11,7 +11,7 @@ namespace vdrive {
 /// The changes of 6060h that a drive refuses (5E20h:05).
 struct ModeChangeRefusal {
   bool under_halt = false;          // while bit 8 of 6040h is 1
-  bool behind_switched_on = false;  // in Operation enabled, during stops, in a fault
+  bool beyond_switched_on = false;  // in Operation enabled, during stops, in a fault
 };
 
 /// Habits of other drives, 5E20h, in the form that the code uses. By default the drive has none.

@@ -73,7 +73,7 @@ double next_position(const Drive& drive, std::int32_t set_point) {
     case Gap::none:
       break;
   }
-  return part_of_way(drive, demand_position(drive), streamed_position(drive, set_point));
+  return interpolated_demand(drive, demand_position(drive), streamed_position(drive, set_point));
 }
 
 }  // namespace
@@ -119,7 +119,7 @@ bool take_set_point(Drive& drive, std::int32_t set_point) {
   return false;
 }
 
-double part_of_way(const Drive& drive, double start, double target) {
+double interpolated_demand(const Drive& drive, double start, double target) {
   const std::uint32_t ticks_left = drive.registers().interpolation.ticks_left;
   if (ticks_left == 0) return target;
   return start + (target - start) / (static_cast<double>(ticks_left) + 1.0);

@@ -32,7 +32,7 @@ void end_stream(Drive& drive);
 /// Question: the demand at the end of this tick, on the way from the present demand `start` to
 /// `target`. The remaining distance is divided again in every tick, so rounding errors do not add
 /// up and the last part reaches the target.
-[[nodiscard]] double part_of_way(const Drive& drive, double start, double target);
+[[nodiscard]] double interpolated_demand(const Drive& drive, double start, double target);
 
 /// Question: the internal position [UU] for `set_point`, limited by 607Dh. With software limits the
 /// path to it stays within them; otherwise it is the shorter way round the register or, on a modulo

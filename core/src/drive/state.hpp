@@ -164,7 +164,8 @@ struct DriveState {
   PowerStageState power;
   FaultState faults;
   ModeState mode;
-  std::uint16_t maker_bits = Statusword::kRemote;  // bits 9, 14 and 15 of 6041h, which are constant
+  std::uint16_t manufacturer_bits =
+      Statusword::kRemote;  // bits 9, 14 and 15 of 6041h, which are constant
   ModeStates modes;
   bool attention = true;  // something apart from the motion is going on
   bool plan_due = true;   // the motion request may have changed

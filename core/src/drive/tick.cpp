@@ -105,7 +105,7 @@ std::uint16_t mode_bits(const Drive& drive, const Mode& mode) {
 std::uint16_t statusword(const Drive& drive, const Mode& mode) {
   const DriveState& s = drive.state();
   const PowerState state = s.power.machine.state();
-  unsigned word = statusword_of(state) | s.maker_bits | mode_bits(drive, mode);
+  unsigned word = statusword_of(state) | s.manufacturer_bits | mode_bits(drive, mode);
   word |= limit_bits(drive, nearest(demand_position(drive)), nearest(actual_position(drive)));
   // Before transition 1 the state of the DC link is not known yet, so 6041h is 0200h.
   if (s.faults.dc_link && state != PowerState::not_ready_to_switch_on) {

@@ -27,7 +27,7 @@ double ticks_of(double seconds, double period) {
 
 /// The fraction 1 - exp(-x) of a step response after x time constants, as a quotient that gives the
 /// same bits on every machine: accurate to x³/12, at most 1.
-double part_of_way(double time_constants) {
+double settled_fraction(double time_constants) {
   return std::min(time_constants / (1.0 + 0.5 * time_constants), 1.0);
 }
 
@@ -97,9 +97,10 @@ void design_effects(const AxisModel& model, const Gear& gear, const EffectDesign
   parameters.motor_noise[lane] = model.encoder_noise;
   parameters.load_noise[lane] = dual ? model.load_encoder_noise : 0.0;
   parameters.shares_encoder[lane] = dual ? 0.0 : 1.0;
-  parameters.heat_gain[lane] = model.motor_thermal_time_constant == 0.0
-                                   ? 0.0
-                                   : part_of_way(design.period / model.motor_thermal_time_constant);
+  parameters.heat_gain[lane] =
+      model.motor_thermal_time_constant == 0.0
+          ? 0.0
+          : settled_fraction(design.period / model.motor_thermal_time_constant);
   set_lane(parameters.cogged, lane, parameters.cogging[lane] != 0.0);
   set_lane(parameters.rippled, lane, parameters.ripple[lane] != 0.0);
   set_lane(parameters.stopped, lane,

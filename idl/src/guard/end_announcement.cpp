@@ -37,7 +37,7 @@ class Sender {
 
   /// Sends multicast from `interface` from now on.
   /// @return false if it is not an address of this host from which multicast can be sent.
-  [[nodiscard]] bool leave_by(const std::string& interface) const {
+  [[nodiscard]] bool set_multicast_interface(const std::string& interface) const {
     in_addr address{};
     return inet_pton(AF_INET, interface.c_str(), &address) == 1 &&
            setsockopt(socket_, IPPROTO_IP, IP_MULTICAST_IF, &address, sizeof address) == 0;
@@ -74,7 +74,7 @@ void announce_end(const NetworkSettings& settings, const Source& dead) {
   }
   for (int time = 0; time < kTimes; ++time) {
     for (const auto& interface : interfaces) {
-      if (sender.leave_by(interface)) {
+      if (sender.set_multicast_interface(interface)) {
         sender.send(kDiscoveryGroup, group_port(settings.domain), datagram);
       }
     }

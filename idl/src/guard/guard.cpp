@@ -113,15 +113,15 @@ std::optional<ByteView> Guard::with_plausible_numbers(ByteView datagram, Clock::
                                                       std::vector<std::uint8_t>& renumbered) {
   if (mode_ == Mode::closed) return datagram;
   const WriterNumbers::Report report = numbers_.receive(datagram, now, renumbered);
-  if (report.astray && !keeps_leases_) {
+  if (report.needs_resync && !keeps_leases_) {
     // The guard cannot make the library start over here, so the library processes the numbers as it
     // would without the guard.
-    numbers_.removed(*report.astray);
+    numbers_.removed(*report.needs_resync);
     return datagram;
   }
-  if (report.astray) {
+  if (report.needs_resync) {
     const std::scoped_lock lock(keeper_mutex_);
-    keeper_.expire(*report.astray);
+    keeper_.expire(*report.needs_resync);
   }
   if (report.refusal == Refusal::none) {
     return report.is_renumbered ? ByteView(renumbered) : datagram;

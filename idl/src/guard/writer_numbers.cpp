@@ -201,7 +201,7 @@ WriterNumbers::Report WriterNumbers::receive(ByteView datagram, Clock::time_poin
     const auto numbers = numbers_in(submessage);
     if (!numbers) continue;
     const Judgement judgement = judge(source, *numbers, submessages, now);
-    if (judgement.is_astray) report.astray = source;
+    if (judgement.is_astray) report.needs_resync = source;
     report.refusal = judgement.refusal;
     if (report.refusal != Refusal::none) return report;
     if (judgement.base == 0) continue;

@@ -54,7 +54,7 @@ class WriterNumbers {
     bool is_renumbered = false;  ///< the library reads the changed copy
     /// A participant with a writer that has skipped numbers: the library must forget it and find it
     /// again.
-    std::optional<GuidPrefix> astray;
+    std::optional<GuidPrefix> needs_resync;
   };
 
   /// The library has found a participant but has no readers for its writers yet.

@@ -40,8 +40,8 @@ void require_same_build(void* library, const std::filesystem::path& file) {
   const std::string build =
       found == nullptr ? "an older version" : *static_cast<const char* const*>(found);
   if (build == VDRIVE_DDS_BUILD) return;
-  throw NetworkError("the DDS library cannot be used: " + file.string() + " is of \"" + build +
-                     "\", and " + own_file().string() + " of \"" + VDRIVE_DDS_BUILD +
+  throw NetworkError("the DDS library cannot be used: " + file.string() + " was built as \"" +
+                     build + "\", but " + own_file().string() + " as \"" + VDRIVE_DDS_BUILD +
                      "\". Install both from one build; a bench in this process needs no DDS");
 }
 

@@ -268,7 +268,7 @@ void check_axis_name(const YamlValue& value, NamedAxis& axis) {
   check_name(value, axis.name);
   if (axis.name.find(' ') != std::string::npos ||
       (axis.name.front() >= '0' && axis.name.front() <= '9')) {
-    value.refuse("a name must not contain blanks or begin with a digit");
+    value.refuse("a name must not contain spaces or begin with a digit");
   }
 }
 
@@ -289,7 +289,7 @@ constexpr auto kAxisRows = std::to_array<Row<NamedAxis>>({
     key<&NamedAxis::number>("number", IntegerLimits{1, kHighestAxisNumber, ""},
                             "{}, unique on the bench. Required."),
     key<&NamedAxis::name>("name", Any{},
-                          "Unique, no blanks, no digit first. Default: axis and its number.",
+                          "Unique, no spaces, no digit first. Default: axis and its number.",
                           {.then = check_axis_name}),
     key<&NamedAxis::unit>("unit", Any{}, {}, {.describe = settings::describe_unit}),
     // Not printed itself: the keys that follow from it are.

@@ -76,7 +76,7 @@ double gear_ratio_of(const AxisConfiguration& axis) {
          static_cast<double>(value_at_start(axis, "gear_ratio_denominator"_object));
 }
 
-double user_units_a_load_turn(const AxisConfiguration& axis) {
+double user_units_per_load_turn(const AxisConfiguration& axis) {
   const bool at_motor = axis.model.feedback == Feedback::single_encoder;
   return at_motor ? kUserUnitsPerRevolution / gear_ratio_of(axis) : kUserUnitsPerRevolution;
 }

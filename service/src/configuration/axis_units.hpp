@@ -38,7 +38,7 @@ inline constexpr double kSameSize = 1.0e-6;
 /// @return user units per revolution of the load [UU]. 4096 UU are one revolution of the shaft
 ///         whose encoder 6064h reads; with a single encoder that is the motor shaft, before the
 ///         gear.
-[[nodiscard]] double user_units_a_load_turn(const AxisConfiguration& axis);
+[[nodiscard]] double user_units_per_load_turn(const AxisConfiguration& axis);
 
 /// @return the highest velocity of 6064h that 6080h permits [UU/s].
 [[nodiscard]] double highest_motor_velocity(const AxisConfiguration& axis);

@@ -84,7 +84,7 @@ void warn_of_limits_without_unit(const NamedAxis& axis, const AxisEntries& entri
 /// a revolution of the load has a different number of them, and `unit` may mean either.
 /// @return the problem with a unit of an angle; empty if there is none
 std::string contradiction_of_angle(const NamedAxis& axis) {
-  const double turn = user_units_a_load_turn(axis.configuration);
+  const double turn = user_units_per_load_turn(axis.configuration);
   const auto is = [&axis](double size) {
     return std::abs(axis.unit.size / size - 1.0) < kSameSize;
   };
@@ -103,7 +103,7 @@ std::string contradiction_of_length(const NamedAxis& axis) {
   if (!in_millimetre) return {};  // the length of its unit is unknown
   const double decimals = std::log10(axis.unit.size);
   if (std::abs(decimals - std::round(decimals)) >= kSameSize) return {};
-  const double turn = user_units_a_load_turn(axis.configuration);
+  const double turn = user_units_per_load_turn(axis.configuration);
   return "unit has per_unit = " + to_text(axis.unit.size) + ", and a revolution of the load has " +
          six_digits(turn) + " user units, that is a lead of " + six_digits(turn / *in_millimetre) +
          " mm; if the lead of the machine differs, all lengths are displayed wrong: use mechanics: "

@@ -211,7 +211,7 @@ constexpr auto kClockRows = std::to_array<Row<Configuration>>({
     key<&Configuration::clock_step>(
         "clock_step", kOneOf<WallStepPolicy::steer, WallStepPolicy::jump>,
         "realtime at rate 1, after a change of the wall clock: steer (slowly, by 500 ppm) or "
-        "jump (at once, forward only)."),
+        "jump (immediately, forward only)."),
     key<&Configuration::threads>(
         "threads", IntegerLimits{1, kMaxThreads, ""},
         "Threads that step the axes, {}. The result is the same for any number."),

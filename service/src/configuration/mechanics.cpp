@@ -204,7 +204,7 @@ void check_resolution(const YamlValue& value, const NamedAxis& axis) {
   if (*wanted >= 1.0 - kSameSize) return;
   value.refuse("is finer than one user unit (" + step_text(axis.unit) +
                "): a turn of the load has " +
-               six_digits(user_units_a_load_turn(axis.configuration)) + " user units");
+               six_digits(user_units_per_load_turn(axis.configuration)) + " user units");
 }
 
 void read_software_limits(const YamlValue& value, NamedAxis& axis) {
@@ -267,7 +267,7 @@ Line line_of(const NamedAxis& axis) {
     return six_digits(from_user_units(user_units, axis.unit)) + " " + axis.unit.name;
   };
   return {"",
-          in_unit(user_units_a_load_turn(configuration)),
+          in_unit(user_units_per_load_turn(configuration)),
           step_text(axis.unit),
           in_unit(highest) + "/s",
           gear_text(configuration),
@@ -300,7 +300,7 @@ void read_mechanics(const YamlValue& value, NamedAxis& axis) {
   }
   set(axis.configuration, "gear_ratio_numerator"_object, mechanics.gear.load);
   set(axis.configuration, "gear_ratio_denominator"_object, mechanics.gear.motor);
-  const double turn = user_units_a_load_turn(axis.configuration);
+  const double turn = user_units_per_load_turn(axis.configuration);
   const bool is_linear = mechanics.kind == UnitKind::linear;
   axis.unit = {.kind = mechanics.kind,
                .name = mechanics.unit,

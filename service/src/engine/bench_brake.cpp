@@ -17,7 +17,7 @@ bool can_be_stopped(PowerState state) {
   return state == PowerState::operation_enabled || state == PowerState::quick_stop_active;
 }
 
-bool is_between(PowerState state) {
+bool is_powered_not_enabled(PowerState state) {
   return state == PowerState::ready_to_switch_on || state == PowerState::switched_on;
 }
 
@@ -45,7 +45,8 @@ void BenchBrake::switch_off_at_rest() {
 bool BenchBrake::has_power() const noexcept {
   for (std::size_t axis = 0; axis < axes_.size(); ++axis) {
     const PowerState state = axes_.bank().power_state(axis);
-    if (can_be_stopped(state) || is_between(state) || state == PowerState::fault_reaction_active) {
+    if (can_be_stopped(state) || is_powered_not_enabled(state) ||
+        state == PowerState::fault_reaction_active) {
       return true;
     }
   }
@@ -72,12 +73,13 @@ void BenchBrake::stop_axis(std::size_t axis, Braking braking) {
 /// stop active.
 void BenchBrake::switch_off_at_rest(std::size_t axis) {
   const PowerState state = axes_.bank().power_state(axis);
-  if (is_between(state) || (state == PowerState::quick_stop_active && stands(axis))) {
+  if (is_powered_not_enabled(state) ||
+      (state == PowerState::quick_stop_active && is_at_standstill(axis))) {
     axes_.write(axis, kControlword, controlwords::kDisableVoltage);
   }
 }
 
-bool BenchBrake::stands(std::size_t axis) const noexcept {
+bool BenchBrake::is_at_standstill(std::size_t axis) const noexcept {
   const AxisStatus& status = axes_.bank().status(axis);
   const std::int64_t threshold = axes_.bank().read(axis, "velocity_threshold"_object).value;
   return status.velocity_demand_value == 0 &&

@@ -40,7 +40,7 @@ class BenchBrake {
  private:
   void stop_axis(std::size_t axis, Braking braking);
   void switch_off_at_rest(std::size_t axis);
-  [[nodiscard]] bool stands(std::size_t axis) const noexcept;
+  [[nodiscard]] bool is_at_standstill(std::size_t axis) const noexcept;
 
   BenchAxes& axes_;
   FrameSchedule& schedule_;

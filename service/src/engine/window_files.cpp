@@ -58,7 +58,7 @@ bool take_raw(std::span<const std::byte>& bytes, Value& value) {
   return true;
 }
 
-std::uint64_t stands_for(const Configuration& configuration) {
+std::uint64_t hash_of(const Configuration& configuration) {
   Configuration axes;
   axes.period = configuration.period;
   axes.axes = configuration.axes;
@@ -124,7 +124,7 @@ WindowFiles::WindowFiles(std::filesystem::path directory, const Configuration& c
     : directory_(std::move(directory)),
       prefix_("bench-" + std::to_string(configuration.bench) + ".window-"),
       axis_count_(configuration.axes.size()),
-      axes_(stands_for(configuration)) {}
+      axes_(hash_of(configuration)) {}
 
 std::filesystem::path WindowFiles::file(std::uint64_t number) const {
   return directory_ / (prefix_ + std::to_string(number));
@@ -207,17 +207,17 @@ void WindowFiles::write(const BlackBox& box, const Window& window) {
   put_raw(head, WindowHead{.axes = axes_, .check = check_of(content)});
   const std::filesystem::path name = file(window.number);
   // If a failure leaves this file, the next start removes it.
-  const std::filesystem::path beside = directory_ / (prefix_ + "new");
+  const std::filesystem::path temporary_file = directory_ / (prefix_ + "new");
   {
     std::ofstream stream;
     stream.exceptions(std::ios::failbit | std::ios::badbit);
-    stream.open(beside, std::ios::binary | std::ios::trunc);
+    stream.open(temporary_file, std::ios::binary | std::ios::trunc);
     for (const std::vector<std::byte>* part : {&head, &content}) {
       stream.write(reinterpret_cast<const char*>(part->data()),  // NOLINT(*-reinterpret-cast)
                    static_cast<std::streamsize>(part->size()));
     }
   }
-  std::filesystem::rename(beside, name);
+  std::filesystem::rename(temporary_file, name);
   std::erase_if(kept_, [&](const Window& kept) {
     return kept.number == window.number;  // it was written while open, and is complete now
   });

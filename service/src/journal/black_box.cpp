@@ -13,7 +13,7 @@ namespace {
 
 using namespace std::chrono_literals;
 
-constexpr auto kOfSegment = 5s;
+constexpr auto kSegmentDuration = 5s;
 constexpr auto kBeforeCause = 2s;
 constexpr auto kAfterCause = 500ms;
 constexpr auto kLongestAfter = 2s;  // when further causes follow
@@ -75,7 +75,7 @@ std::optional<WindowCause::Kind> cause_kind(msg::EventKind event) {
 }  // namespace
 
 BlackBox::BlackBox(const Configuration& configuration, const AxisBank& bank)
-    : segment_ticks_(ticks_in(kOfSegment, configuration.period)),
+    : segment_ticks_(ticks_in(kSegmentDuration, configuration.period)),
       ticks_before_(ticks_in(kBeforeCause, configuration.period)),
       ticks_after_(ticks_in(kAfterCause, configuration.period)),
       slots_(slots_of(bytes_of(configuration), bank.snapshot_size())),

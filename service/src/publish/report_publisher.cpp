@@ -124,7 +124,7 @@ void ReportPublisher::announce(bool alive) {
 }
 
 /// Gives a new wire everything that late readers need; the wire keeps it for them while it runs.
-void ReportPublisher::meet_wire() {
+void ReportPublisher::send_history() {
   const std::uint32_t running = link_.running();
   if (running != met_) {
     met_ = running;
@@ -145,7 +145,7 @@ void ReportPublisher::publish(Inbox& inbox, Outbox& outbox) {
   // Measure the queues before they are emptied.
   counters_.inbox_depth.set(inbox.size());
   counters_.outbox_depth.set(outbox.size());
-  meet_wire();
+  send_history();
   publish_events(outbox);
   publish_parameters(outbox);
   publish_sessions();
@@ -205,10 +205,10 @@ void ReportPublisher::publish_parameters(Outbox& outbox) {
 }
 
 void ReportPublisher::note_session(std::span<const std::byte> sample) {
-  if (!wire::decode(sample, said_) || !sessions_.note(said_)) return;
+  if (!wire::decode(sample, received_name_) || !sessions_.note(received_name_)) return;
   log_debug(R"(bench={} session={} program="{}" process={} host="{}")", identity_.bench,
-            session_text(said_.session), escaped(said_.program.to_string()), said_.process,
-            escaped(said_.host.to_string()));
+            session_text(received_name_.session), escaped(received_name_.program.to_string()),
+            received_name_.process, escaped(received_name_.host.to_string()));
 }
 
 void ReportPublisher::publish_sessions() {

@@ -62,7 +62,7 @@ class ReportPublisher {
   void publish_sessions();
   void publish_state(Clock::time_point now);
   [[nodiscard]] double measured_rate(std::uint64_t tick, Clock::time_point now);
-  void meet_wire();
+  void send_history();
   template <typename Message>
   void write(const Message& message);
 
@@ -81,7 +81,7 @@ class ReportPublisher {
   std::vector<std::uint16_t> indices_;           ///< in `parameters_`, by axis number
   std::deque<msg::Event> history_;               ///< the last kEventsKept
   SessionNames sessions_;
-  msg::SessionName said_;  ///< the latest name received
+  msg::SessionName received_name_;  ///< the latest name received
   TokenBucket session_samples_{kSessionSamples};
   msg::BenchState state_;
   msg::Event event_;

@@ -37,7 +37,7 @@ StatusDepth status_depth(const Configuration& configuration) {
           ? static_cast<std::size_t>(std::chrono::microseconds(kStatusHeld) / interval) + 1
           : kLeastImages;
   const std::size_t fitting =
-      kMostOfImages / (axes * (sizeof(AxisStatus) + sizeof(wire::Ownership)));
+      kMaxImageMemory / (axes * (sizeof(AxisStatus) + sizeof(wire::Ownership)));
   // Axis samples use the same lane, at the rate limit of their publisher.
   const auto samples = static_cast<std::size_t>(StatusPublisher::kAxisSamples.per_second *
                                                 std::chrono::duration<double>(kStatusHeld).count());

@@ -19,7 +19,7 @@ struct StatusDepth {
 };
 
 /// The maximum memory for the waiting images [bytes]; there is room for 4 images in any case.
-inline constexpr std::size_t kMostOfImages = std::size_t{64} << 20U;
+inline constexpr std::size_t kMaxImageMemory = std::size_t{64} << 20U;
 
 /// The maximum room between engine and wire [bytes].
 inline constexpr std::size_t kMostRoom = std::size_t{128} << 20U;

@@ -151,7 +151,7 @@ void apply_arguments(const Arguments& arguments, Settings& settings) {
   (void)text_of_option("--bench-config", arguments.bench_configuration);
   const std::string option = arguments.axes ? "--axes" : "--preset";
   if ((arguments.axes || arguments.preset) && arguments.bench_configuration) {
-    throw ConfigurationError(option + " and --bench-config are both given: name one of them");
+    throw ConfigurationError(option + " and --bench-config are both given: give only one");
   }
   settings.is_private = settings.is_private || arguments.is_private;
   if (describes_benches(arguments) && !settings.is_private) {

@@ -63,7 +63,7 @@ void read_benches(const YamlValue& list, BusSetting& bus) {
     read_section(element, kBenchRows, bench);
     if ((bench.axes || !bench.preset.empty()) && !bench.configuration.empty()) {
       element.refuse((bench.axes ? std::string("axes") : std::string("preset")) +
-                     " and config are both given: name one of them");
+                     " and config are both given: give only one");
     }
     bus.benches.push_back(bench);
   });

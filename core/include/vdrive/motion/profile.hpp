@@ -93,7 +93,7 @@ class Profile {
 };
 
 /// Plans the time-optimal trapezoid from any state to rest at `target`. An axis above the velocity
-/// limit first brakes to it; one whose target is behind it or within the stopping distance first
+/// limit first brakes to it; one that has passed its target, or cannot stop before it, first
 /// brakes to a standstill. Speeding up uses `limits.acceleration`, slowing down
 /// `limits.deceleration`. If the velocity limit is 0, the axis brakes to a standstill and stays
 /// there.

@@ -70,7 +70,7 @@ MotionRequest ask(const Drive& drive) {
   const double target = within_torque_limits(drive, set_point(drive));
   return {.kind = MotionRequest::Kind::follow,
           .control = ControlLoop::torque,
-          .target = part_of_way(drive, demand_torque(drive), target),
+          .target = interpolated_demand(drive, demand_torque(drive), target),
           .limits = {.velocity = 0.0, .acceleration = 1.0, .deceleration = 1.0}};
 }
 

@@ -55,7 +55,7 @@ MotionRequest ask(const Drive& drive) {
   return {
       .kind = MotionRequest::Kind::follow,
       .control = ControlLoop::velocity,
-      .target = part_of_way(drive, demand_velocity(drive), set_point(drive)),
+      .target = interpolated_demand(drive, demand_velocity(drive), set_point(drive)),
       .limits = {
           .velocity = drive.registers().velocity_cap, .acceleration = 1.0, .deceleration = 1.0}};
 }
