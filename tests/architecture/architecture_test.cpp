@@ -205,7 +205,7 @@ std::string module_of(const std::string& path) {
 /// so that a cycle through a source counts, too.
 using ModuleGraph = std::map<std::string, std::set<std::string>>;
 
-/// @param folder with a trailing slash; a file in it includes another one by its path from there
+/// @param folder with a trailing slash; its files include each other by their path below it
 ModuleGraph modules_below(const std::string& folder, const std::vector<SourceFile>& files) {
   ModuleGraph modules;
   for (const SourceFile& file : files) {
@@ -220,8 +220,8 @@ ModuleGraph modules_below(const std::string& folder, const std::vector<SourceFil
   return modules;
 }
 
-/// @return the rest after removing, repeatedly, the modules that use none of the others: cycles,
-///         and modules that use them.
+/// @return the modules that form cycles or use one that does: those left after repeatedly removing
+///         all that use none of the others.
 ModuleGraph circles_of(ModuleGraph modules) {
   const auto is_free = [&](const auto& entry) {
     return std::ranges::none_of(entry.second, [&](const std::string& used) {
@@ -356,7 +356,7 @@ LinkGraph documented_links() {
   return graph;
 }
 
-/// Programs, whose library has a row; examples and generated code; programs of the build itself.
+/// Programs (their libraries have rows), examples, generated code and programs of the build itself.
 bool needs_no_row(const std::string& target) {
   static const std::set<std::string> programs{"vdrive",         "vdrived",     "vdrive-canopen",
                                               "vdrive-gateway", "vdrive-ros2", "make_page_tables",
@@ -430,8 +430,8 @@ TEST(Architecture, EachHeaderIsGuardedByPragmaOnce) {
   }
 }
 
-// Process 0 of kill(2) is the caller's process group: a process number that was not found would
-// stop or end ctest and its parent.
+// kill(2) takes process 0 for the caller's process group: with 0 for a process that was not found,
+// a test would stop or end ctest and its parent.
 TEST(Architecture, TestsSendSignalsOnlyThroughTheFunctionThatRefusesGroupsOfProcesses) {
   static const Pattern call(R"((^|[^A-Za-z0-9_.>])(kill|killpg)\(([^)2]|2[^)]|$))");
   for (const SourceFile& file : sources()) {

@@ -87,8 +87,7 @@ Origin origin_of(const Include& include) {
   return include.name.ends_with(".h") ? Origin::system : Origin::standard;
 }
 
-/// A folder, what it may include, and what its text may not contain. The first folder that a path
-/// starts with applies.
+/// A folder and what its files may include. The first folder that a path starts with applies.
 struct RoomRow {
   std::string_view folder;
   std::span<const Origin> may_include;
@@ -117,7 +116,7 @@ constexpr std::array kRecordingMay{Origin::standard, Origin::system, Origin::thi
 constexpr std::array kClientMay{Origin::standard,    Origin::system, Origin::eigen,
                                 Origin::third_party, Origin::core,   Origin::wire,
                                 Origin::messages,    Origin::client, Origin::beside};
-// The tool creates benches of its own for the scenarios that it runs.
+// The tool creates its own benches for the scenarios that it runs.
 constexpr std::array kToolMay{
     Origin::standard, Origin::system,   Origin::eigen,  Origin::third_party, Origin::core,
     Origin::wire,     Origin::messages, Origin::client, Origin::bench,       Origin::beside};
@@ -128,18 +127,18 @@ constexpr std::array kBridgeMay{Origin::standard, Origin::system,      Origin::e
                                 Origin::beside,   Origin::settings};
 // Nodes are functions of frames, states and time.
 constexpr std::array kCanopenNodeMay{Origin::standard, Origin::core, Origin::beside};
-// The judge is a function of records, and so are its sources that read files.
+// The judge is a function of records. Only its exceptions/ also reads YAML.
 constexpr std::array kJudgeMay{Origin::standard, Origin::core, Origin::beside};
 constexpr std::array kJudgeFilesMay{Origin::standard, Origin::core, Origin::beside,
                                     Origin::settings};
 constexpr std::array kJudgeReplayedMay{Origin::standard, Origin::core, Origin::messages,
                                        Origin::beside};
 constexpr std::array kJudgeLiveMay{Origin::standard, Origin::core, Origin::client, Origin::beside};
-// This bridge creates benches of its own, for masters that are tested without a network.
+// This bridge creates its own benches, for masters that are tested without a network.
 constexpr std::array kCanopenMay{
     Origin::standard, Origin::system, Origin::eigen, Origin::core,   Origin::third_party,
     Origin::wire,     Origin::client, Origin::bench, Origin::beside, Origin::settings};
-// Python is the outside world of one bridge. It sends nothing on the wire.
+// The Python module is a client for Python programs. It sends nothing on the wire itself.
 constexpr std::array kPythonMay{Origin::standard, Origin::system, Origin::eigen, Origin::python,
                                 Origin::core,     Origin::client, Origin::bench, Origin::beside};
 // The only room that knows both the engine and the client library.
@@ -222,7 +221,7 @@ constexpr std::array kDriveLayers{
 /// room.
 enum class UseOfKit { none, without_bench, whole };
 
-/// Of these, the headers that know no bench.
+/// The headers of clients/bridge that know no bench.
 constexpr std::array<std::string_view, 2> kKitWithoutBench{"severity.hpp", "tcp_listen.hpp"};
 
 /// A room inside a folder, and the other rooms of the folder that it may include. A new room is a
@@ -263,7 +262,7 @@ const std::vector<InnerRoomRow>& service_rooms() {
 }
 
 /// "" stands for the files next to the rooms: main, the table of commands, and the code that starts
-/// one.
+/// a command.
 const std::vector<InnerRoomRow>& tool_rooms() {
   static const std::vector<InnerRoomRow> rows{
       {"base", {}, "base/ is below every room"},
@@ -317,7 +316,7 @@ const std::vector<InnerRoomRow>& canopen_rooms() {
   return rows;
 }
 
-/// "node" is that of clients/canopen: the CANopen encoding of the contents of a log.
+/// "node" is the room of clients/canopen for the CANopen encoding, in which a bus log is written.
 const std::vector<InnerRoomRow>& judge_rooms() {
   static const std::vector<InnerRoomRow> rows{
       {"judge", {}, "judge/ is a function of records, whatever their source"},
@@ -359,7 +358,7 @@ struct TextRule {
   std::string_view folder;
   Pattern pattern;
   std::string_view reason;
-  std::string_view except{};  ///< a folder in it
+  std::string_view except{};  ///< an exempt folder in it
 };
 
 /// Standard headers, matched in full.
@@ -485,7 +484,7 @@ std::optional<int> layer_of(std::string_view name) {
   return row == kDriveLayers.end() ? std::nullopt : std::optional(row->layer);
 }
 
-/// The layers of one drive. Outside it, only the bank may include its files.
+/// Checks the layers of a drive. From outside, only the bank may include its files.
 std::optional<std::string_view> refuse_layer(std::string_view path, const Include& include) {
   constexpr std::string_view kFolder = "core/src/drive/";
   constexpr std::string_view kPrefix = "drive/";
@@ -536,7 +535,7 @@ std::optional<std::string_view> refuse_inner_room(std::string_view path, const I
   return std::nullopt;
 }
 
-/// The complete engine, with all its queries.
+/// Checks who includes the complete engine.
 std::optional<std::string_view> refuse_whole_engine(std::string_view path, const Include& include) {
   constexpr std::string_view kFolder = "service/src/";
   if (!path.starts_with(kFolder) || include.name != "engine/bench_engine.hpp") return std::nullopt;
@@ -610,7 +609,7 @@ bool reaches_private_header(std::string_view path, std::string_view included,
     if (!header.ends_with(ending)) return false;
     const bool is_shared = header.starts_with("service/src/settings/");
     const bool is_in_room = first_folder(header) == first_folder(path);
-    // The engine in a user's process, and where a judge runs it again.
+    // These run the engine: in a user's process, and for a judge's replay.
     const bool knows_engine =
         path.starts_with("clients/bench/") || path.starts_with("clients/judge/src/replayed/");
     const bool is_bench = knows_engine && header.starts_with("service/src/");

@@ -17,8 +17,8 @@ using Violations = std::vector<std::string>;
 /// @param text the content of the file.
 Violations check_source(std::string_view path, std::string_view text);
 
-/// Whether a file may include a private header: one of its own room, or one of settings/, the room
-/// of the service that all share.
+/// Whether a file may include a private header: one of its own room, or of service/src/settings,
+/// which all rooms share. The rooms that run the engine may include any of service/src.
 /// @param included the header as the file names it
 /// @param headers all headers of the repository, by their paths
 [[nodiscard]] bool reaches_private_header(std::string_view path, std::string_view included,

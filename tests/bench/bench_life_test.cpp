@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Threads, callbacks, ends and forks of a bench in the process of its user.
+// A bench in the user's process: threads, callbacks, its end, and fork.
 #include "base/works_for.hpp"
 #include "configuration/configuration_file.hpp"
 #include "configuration/configuration_help.hpp"
@@ -57,7 +57,7 @@ using testing::HasSubstr;
 constexpr std::array<std::uint32_t, 1> kFirst{1};
 constexpr milliseconds kLong{20'000};
 
-/// @return the present tick of the bench.
+/// @return the current tick of the bench.
 std::uint64_t tick_of(Session& session) {
   return session.step(1, 0).value();
 }
@@ -135,7 +135,7 @@ TEST(JoinedClocks, OfTwoThreadsStepTogetherInTheThreadsThatGrant) {
     }
     return Outcome();
   };
-  // A stepper that has joined holds the time until both threads have joined.
+  // A stepper that has joined stops the time until both threads have joined.
   Session holder = bench.session();
   auto hold = StepClock::join(holder, kFirst);
   ASSERT_TRUE(hold);
@@ -722,8 +722,8 @@ TEST(BenchState, IsThereForEachReaderThatComes) {
   }
 }
 
-// Ten benches of each clock: only the first call of a session may meet an earlier sample, and not
-// always.
+// Ten benches of each clock mode: only the first call of a session can receive an earlier sample,
+// and not always.
 TEST(Follow, OnABusBeginsWithTheCall) {
   for (std::size_t round = 0; round < 30; ++round) {
     const ClockMode clock =
@@ -792,7 +792,7 @@ TEST(StatusReports, OfABenchThatEndsAreEndedAtOnce) {
   }
 }
 
-// A bench that replaces it is a different bench, however soon it starts.
+// A bench that replaces another is a different one, however soon it starts.
 TEST(StatusReports, OfABenchThatIsReplacedAtOnceAreEnded) {
   for (const ClockMode clock : {ClockMode::lockstep, ClockMode::realtime, ClockMode::freerun}) {
     for (int count = 0; count < 20; ++count) {
@@ -1139,7 +1139,7 @@ TEST(Bench, ThatEndsEndsTheWaitForAnotherStepper) {
     begins.set_value(gettid());
     return clock ? clock->step(1, kLong).outcome().kind() : clock.outcome().kind();
   });
-  // It sleeps in the step, because the other stepper never grants it.
+  // The thread sleeps in its step, because the other stepper never grants a tick.
   const pid_t thread = begins.get_future().get();
   const auto deadline = std::chrono::steady_clock::now() + kLong;
   while (!is_asleep(thread)) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A bench in the process of its user, over the local bus.
+// A bench in the user's process, over the local bus.
 #include "vdrive/bench/bench.hpp"
 
 #include "support/process_tree.hpp"
@@ -201,7 +201,7 @@ TEST(Bench, OfRealTimeThatNobodyWatchesWakesOneThreadInEveryTick) {
     }
     if (now[0] - before[0] < 200) return false;
     const bool are_rare = 2 * (now[1] - before[1]) < now[0] - before[0];
-    before = now;  // a late thread may have waited less often, so the next 200 decide
+    before = now;  // a late thread may have waited less often, so the next 200 ticks decide
     return are_rare;
   }));
 }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The memory of benches in one process, and a thousand of them.
+// The memory of benches in a process, and a thousand benches.
 #include "vdrive/bench/bench.hpp"
 #include "vdrive/client.hpp"
 

@@ -183,8 +183,8 @@ class MotionProgram {
     text_ << ']';
   }
 
-  /// Waits until the axes are at rest, because a line may start although nobody has waited for a
-  /// finished move.
+  /// Waits until the axes are at rest: a move that the program has not waited for may have ended,
+  /// and then a line would start.
   void rest() {
     for (std::size_t axis = 0; axis < axes_.size(); ++axis) {
       if (!known_[axis].moves || known_[axis].is_halted) continue;

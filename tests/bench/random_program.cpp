@@ -81,7 +81,7 @@ std::string difference_of(const Refusals& one, const Refusals& other) {
 void ProgramLog::note(const client::Outcome& outcome) {
   std::string message = outcome.message();
   if (const client::AxisOwner* const owner = outcome.owner()) {
-    // Over a network the name of its program may arrive too late.
+    // Over a network the name of the owner's program may arrive too late.
     const std::string end = to_string(*owner);
     if (message.ends_with(end)) message.resize(message.size() - end.size());
     message += "axis " + to_string(owner->axis) + " of " + numbers_.name_of(owner->session);
@@ -228,7 +228,7 @@ void RandomProgram::move() {
       any_target(), {.velocity = 1'000 + below(50'000), .queue = below(2) == 0, .call = kAtOnce}));
 }
 
-// No controlword is written, because the client library assumes that it sets bits 4 to 8 itself.
+// No controlword is written, because the client library assumes that only it sets bits 4 to 8.
 void RandomProgram::write() {
   const std::size_t place = below(axes_.size());
   const AxisStatus& status = seen_.axes.at(place).status;

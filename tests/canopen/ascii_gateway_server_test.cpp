@@ -182,7 +182,7 @@ TEST(AsciiGatewayServer, TakesNoCommandWhileTheBusIsHeld) {
   EXPECT_EQ(bench.port.frames, (Frames{data_frame(0x000, {1, 3}), data_frame(0x000, {2, 3})}));
 }
 
-// A boot-up that is reported to no client makes the server work before it learns that the bus is
+// A boot-up, although reported to no client, makes the server run before it learns that the bus is
 // free.
 TEST(AsciiGatewayServer, TakesWhatWaitedWhileTheBusWasHeldBeforeItCloses) {
   GatewayBench bench;

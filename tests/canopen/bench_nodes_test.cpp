@@ -51,7 +51,7 @@ struct NodeOnABus final : NodeDrives {
     EXPECT_TRUE(bus.faults().add(fault, DriveTime::zero()));
   }
 
-  /// @return whether the node answers a read of 1017h, an object of its own.
+  /// @return whether the node answers a read of 1017h, which the drive does not have.
   bool answers() {
     master.frames.clear();
     master.send(data_frame(0x601, {0x40, 0x17, 0x10, 0x00, 0, 0, 0, 0}));

@@ -26,7 +26,7 @@ using Values = CommunicationParameters::Values;
 /// Records the writes of restore().
 class WrittenParameters {
  public:
-  /// @param refused is the object whose write is answered with an abort
+  /// @param refused the object whose write is answered with an abort
   explicit WrittenParameters(const CommunicationParameters& parameters,
                              std::optional<ObjectAddress> refused = std::nullopt) {
     parameters.restore([&](ObjectAddress object, std::uint32_t value) {

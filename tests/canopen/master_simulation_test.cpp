@@ -3,7 +3,7 @@
 // whose drive is an axis of the core. Checks after each frame and tick that no invariant of the
 // drive is broken and that every SDO request is answered or aborted.
 //
-// A seed takes some milliseconds: 100 by default, 1,000 with VDRIVE_FULL, 10,000 at night. A
+// A seed takes some milliseconds: 100 by default, 1,000 with VDRIVE_FULL, 10,000 nightly. A
 // failing seed is printed; the environment variable VDRIVE_MASTER_SEED=<seed> runs it alone.
 #include "canopen/fake_host.hpp"
 #include "node/node.hpp"

@@ -216,8 +216,7 @@ TEST(NodeObjects, MapWhatTheStatusHasToTransmitPdos) {
   EXPECT_EQ(dictionary_object(0x6064).mapping, PdoMapping::transmit);
 }
 
-// CiA 402 lets 6079h and 6502h be mapped into TPDOs; CiA 301 does not let the identity (1000h,
-// 1018h).
+// CiA 402 lets 6079h and 6502h be mapped into TPDOs; CiA 301 does not let 1000h and 1018h be.
 TEST(NodeObjects, MapEveryReadOnlyObjectOfTheProfileToTransmitPdos) {
   for (const std::uint16_t index : Indices{0x6079, 0x6402, 0x6502, 0x5E11}) {
     EXPECT_EQ(dictionary_object(index).mapping, PdoMapping::transmit) << address_text({index, 0});

@@ -170,7 +170,7 @@ std::string wrong_write(const Registers& before, ObjectAddress object, std::uint
   return {};
 }
 
-/// Index of the object, index into its interesting values or the raw value, raw value.
+/// Index of the object, choice of an interesting value or the raw value, raw value.
 using RandomWrite = std::tuple<std::size_t, std::size_t, std::uint32_t>;
 
 rc::Gen<std::vector<RandomWrite>> any_writes() {

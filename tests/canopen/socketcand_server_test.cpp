@@ -267,7 +267,7 @@ TEST(SocketcandServer, DropsTheOldestFramesOfAClientThatDoesNotRead) {
   }));
   const std::size_t head = reader->received_bytes();
   const std::size_t frame = std::string("\n< frame 181 1.500000 0102030405060708 >").size();
-  // The kernel buffers some 100 kB for it; those frames are not dropped.
+  // The kernel buffers some 100 kB for the sleeper; those frames are not dropped.
   constexpr std::uint64_t kFarMore = 1'000'000;
   std::uint64_t sent = 0;
   while (bench.server->counters().dropped_frames < 10 && sent < kFarMore) {
@@ -413,7 +413,7 @@ TEST(SocketcandServer, ReadsNoFurtherFromAClientThatDoesNotReadItsAnswers) {
   for (int i = 0; i < 1'000; ++i) echoes += "< echo >";
   for (int i = 0; i < 5; ++i) flooding.send(echoes);
   EXPECT_EQ(other->ask("< echo >"), "< echo >");
-  // It is served again once it reads.
+  // The flooding client is served again once it reads.
   flooding.read();
   const std::size_t whole = std::string("< hi >").size() + 5'000 * std::string("< echo >").size();
   ASSERT_TRUE(bench.wait_for("all echoes", [&] {

@@ -241,8 +241,8 @@ struct StreamRow {
 };
 
 // 6042h: 3 rpm are 204.8 UU/s; the ramp of 6048h, 6000 rpm/s, covers them within two ticks. 6043h
-// is in rpm. 6074h is the command of the last of the 8 servo cycles of a tick, one eighth of a step
-// before the tick's end.
+// is in rpm. 6074h is the command of the last of the 8 servo cycles of a tick, one eighth of a tick
+// before its end.
 constexpr std::array<StreamRow, 4> kStreamRows{{
     {"Velocity", 2, 0x7F, 0x60420010, 3, {0x6043, 0}, 3, 0},
     {"InterpolatedPosition", 7, 0x1F, 0x60C10120, 2, {0x6062, 0}, 2, 0},

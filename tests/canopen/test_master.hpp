@@ -43,7 +43,7 @@ class TestMaster final : public canopen::Port {
 
   [[nodiscard]] std::size_t count(std::uint32_t id) const;
 
-  /// Works until `condition` holds.
+  /// Calls `work` until `condition` holds.
   /// @return false after 60 s.
   [[nodiscard]] bool wait_until(const std::function<bool()>& condition);
 

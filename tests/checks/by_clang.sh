@@ -13,7 +13,7 @@ for argument in "$@"; do
   case $argument in
     "$gcc") command+=("$clang") ;;
     -fpch-preprocess | --param=* | -Wno-subobject-linkage) ;;
-    *.gch) # a precompiled header would include the header that it replaces
+    *.gch) # -include would read the old one instead of the header
       rm -f "$argument"
       command+=("$argument") ;;
     *) command+=("$argument") ;;

@@ -2,16 +2,16 @@
 # SPDX-License-Identifier: Apache-2.0
 # Lints our sources with clang-tidy.
 #
-#   tests/checks/lint.sh          lints what was not found clean before
-#   tests/checks/lint.sh --keep   then notes in tests/checks/linted.txt what is clean: before each landing
+#   tests/checks/lint.sh          lints every source that linted.txt does not list as clean
+#   tests/checks/lint.sh --keep   also lists the clean sources in tests/checks/linted.txt: before each merge
 #   tests/checks/lint.sh COMPILER ARGUMENT... -o OBJECT -MF DEPENDENCIES -c SOURCE
-#                                 in place of the compiler (VDRIVE_LINT): lints this source
+#                                 called in place of the compiler (VDRIVE_LINT): lints this source
 #
-# What clang-tidy sees of a source are the source and those of our headers that it includes, its text
-# behind the preprocessor with comments and macros (the headers of others), the options of the compiler, and
-# the rules. linted.txt has the check sums of all of that together, with this script and the version of
-# clang-tidy, that were found clean. The same input has the same result, and is not read again.
-# Paths are written from the root of the tree. A linted object has the line of its source in linted.txt.
+# The result for a source depends on the source and our headers that it includes, on its preprocessed text
+# with comments and macros (for other headers), on the compiler options, the rules, this script and the
+# version of clang-tidy. linted.txt has a checksum of all this for each source that was found clean. A source
+# with the same checksum is not linted again. Paths are relative to the root of the tree. The object file of a
+# linted source contains its line of linted.txt.
 set -euo pipefail
 
 root=$(cd "$(dirname "${BASH_SOURCE[0]}")/../.." && pwd)

@@ -28,7 +28,7 @@ VERDICTS = {"OK": PASSED, "FAILED": FAILED, "SKIPPED": NOT_RUN}
 
 
 def parts(output):
-    """The GoogleTest tests that began in an output, each with its part of it."""
+    """The GoogleTest tests that began, each with its part of the output."""
     found = []
     begins = list(BEGIN.finditer(output))
     for begin, following in zip(begins, begins[1:] + [None]):

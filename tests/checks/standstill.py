@@ -9,7 +9,7 @@ in it fail.
 
 There are two sources. A loop that sleeps 100 ms notes each gap above 2 s; it needs no privileges,
 and also notices that the program was starved. Where the kernel's log may be read, its watchdogs
-report there what they have missed.
+report stalls there.
 
 The time stamps of the log are not CLOCK_MONOTONIC: their clock is never corrected, so they differ
 by some seconds after a week. CLOCK_MONOTONIC_RAW is not corrected either, and uses the same counter
@@ -54,7 +54,7 @@ class Standstill:
 
 def of_kernel(log, since, ahead=0.0):
     """The standstills reported in the text of `dmesg`, those after `since` by the monotonic clock.
-    The clock of the log is `ahead` [s] of it."""
+    The clock of the log is `ahead` [s] of that clock."""
     found = []
     for line in KERNEL_LINE.finditer(log):
         end = float(line["time"]) - ahead
@@ -84,7 +84,7 @@ def uncorrected():
 
 
 class Watch:
-    """Observes from its construction to its end."""
+    """Observes from construction to end()."""
 
     def __init__(self, clock=time.monotonic, kernel_log=read_kernel_log, kernel_clock=uncorrected):
         self.clock = clock
@@ -105,7 +105,7 @@ class Watch:
             self.note()
 
     def note(self):
-        """The program runs now."""
+        """Notes that the program is running."""
         with self.lock:
             present = self.clock()
             if present - self.last > LONGEST_SLEEP:
@@ -133,8 +133,8 @@ class Watch:
         return ran + max(0.0, end - counted)
 
     def has_ended(self, process, patience):
-        """Wait for the end of a process while the machine runs for `patience` [s]. The kernel may
-        report a standstill later than that: see ran()."""
+        """Wait for a process to end, for `patience` [s] without the standstills. The kernel may report
+        a standstill even later: see ran()."""
         begin = self.clock()
         left = patience
         while left > 0.0:

@@ -98,7 +98,7 @@ class Visitors:
             thread.join()
 
     def fail(self, text):
-        """After the end of the bench no visitor can be served, which is reported once elsewhere."""
+        """Notes a failure, unless the bench has ended: that is reported once, elsewhere."""
         with self.lock:
             if self.is_bench_alive():
                 self.failures.append(f"{text} ({now() - self.begin:.0f} s after the first visit)")
@@ -309,7 +309,7 @@ class Churn:
             self.problems.append(f"only {ticks} ticks in {self.options.seconds} s")
 
     def forgives(self, jumps):
-        """On a machine that stalls, masters are silent, too."""
+        """Whether losses and silences are excused: a machine that stalls silences masters, too."""
         return jumps and self.options.allow_jumps
 
     def judge_observer(self):

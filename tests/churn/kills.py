@@ -17,7 +17,7 @@ The kills are divided among the variants:
 
 It passes if all of this holds in each variant:
 - the service is the same process and the same incarnation from the beginning to the end, without a
-  jump, and with no tick numbered and not run;
+  jump, and every numbered tick was run;
 - every sample that an observer receives shows the moving axes at their expected positions in that
   tick, as without kills;
 - the programs and the observers run to the end without a restart, and every call succeeds;
@@ -27,10 +27,10 @@ It passes if all of this holds in each variant:
 - each acknowledged command acted once: n moves moved an axis by n distances, n steps are n ticks,
   the stamp is the last one, and stored values are present in the next run of the service;
 - the time from a kill to the next sample of the observer (in lock-step: to the answer of the step
-  in progress) stays within the limits; the median, of each variant and of all, is judged from ten
+  in progress) stays within the limits; the medians of each variant and of all are judged from ten
   kills on;
-- there are no more overruns than in a run of the same length without kills, twice, and some for
-  each kill;
+- there are at most twice as many overruns as in a run of the same length without kills, and some
+  more for each kill;
 - 2 s after SIGTERM no process of the service is left, nor a file in /dev/shm.
 
 Exit code 0: passed, 1: failed, 77: this vdrived has no wire process.
@@ -61,7 +61,7 @@ HANG_LIMIT = 5.0  # [s] within which a hung wire is noticed
 VARIANTS = ("motion", "streaming", "group", "stores", "lockstep", "closed")
 HOW = {"kill": signal.SIGKILL, "abort": signal.SIGABRT, "hang": signal.SIGSTOP}
 SHARES = (0.7, 0.15, 0.15)  # of kill, abort, hang
-MAY_FAIL = {"stream": "stream", "group": "move_together"}  # role -> call that has a tick to meet
+MAY_FAIL = {"stream": "stream", "group": "move_together"}  # role -> call with a tick as its deadline
 
 
 def has_wire_option(service):
@@ -192,8 +192,8 @@ class Variant:
         benches.wait_for("the next sample", lambda: [
             line for line in watcher.found("seen")[-1:] if line["time"] > max(back, moment + NEAR)
         ], max(1.0, moment + limit - back))
-        # The pause is printed before the sample that ends it is counted. Without a pause, samples
-        # continued.
+        # A pause is printed before the sample that ends it is counted. If none was printed, samples
+        # continued without one.
         pauses = [line["pause"] for line in watcher.found("pause")
                   if line["pause"][1] > moment and line["pause"][0] < moment + NEAR]
         longest = max(pauses, key=lambda pause: pause[1] - pause[0], default=None)

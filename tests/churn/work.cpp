@@ -148,7 +148,7 @@ client::Result<double> distance_to(client::Session& session, const client::AxisG
   for (const client::AxisId& id : group.axes()) {
     const auto axis = session.axis(to_string(id));
     if (!axis) return axis.outcome();
-    // The last positions wait for their ticks, up to the lead ahead.
+    // The last positions take effect in their ticks, up to the lead later.
     const auto wanted = static_cast<std::int32_t>(std::lround(target[place++]));
     const auto seen = axis->wait_until(
         [wanted](const client::AxisSnapshot& now) {

@@ -45,7 +45,7 @@ std::vector<std::string> names(std::uint32_t bench, int first, int count) {
   return axes;
 }
 
-/// Returns as soon as the move has started.
+/// @return options of a call that returns as soon as the move has started.
 GroupMoveOptions at_start() {
   GroupMoveOptions move;
   move.call.until = Until::in_force;
@@ -116,7 +116,7 @@ class Watch {
       deviation_ = std::max(deviation_, std::abs(demand(axis) - on_line));
       const bool rests =
           seen.axes[static_cast<std::size_t>(axis)].status.velocity_demand_value == 0;
-      // An axis with only a few units to go shows the last of them early, and never a speed.
+      // An axis with a short way shows its target early and never a speed, so it is not judged.
       if (std::abs(way[axis]) < 1000.0) continue;
       if (rests && demand(axis) == targets_[axis]) arrivals_.emplace(axis, seen.tick);
     }
@@ -260,8 +260,8 @@ TEST_F(LockStepGroup, MovesTogetherScaledToTheSlowest) {
   EXPECT_EQ(watch.longest_gap(), 1U) << "every tick was observed";
   EXPECT_EQ(watch.fraction(), 1.0);
   // Axis 2 moves at 10000 UU/s. The path has the ramps of axis 1: 409600/20000 = 20.48 /s², so
-  // 1/20.48 s = 48.83 ms up and down. A path of 1 at 1 /s takes 1048.83 ms, 1049 ticks, counted
-  // from `before`, and the window time of at most 20 ms.
+  // 1/20.48 s = 48.83 ms up and down. A path from 0 to 1 at 1 /s takes 1048.83 ms, which is 1049
+  // ticks from `before`; then follows the window time of at most 20 ms.
   EXPECT_GE(tick(), before + 1049);
   EXPECT_LE(tick(), before + 1049 + 21);
 }
@@ -280,8 +280,8 @@ TEST_F(LockStepGroup, SharesTheJerkTimeOfAnAxisWithLimitedJerk) {
   EXPECT_EQ(watch.spread(), 0U);
   EXPECT_EQ(watch.arrived(), 3U);
   // The path has the speed and the ramps of axis 1: 68267/20000 = 3.41 /s and 20.48 /s². It has the
-  // jerk of axis 2: 4096000/10000 = 409.6 /s³, which adds 50 ms to each ramp of 166.7 ms. A path of
-  // 1 at 3.41 /s takes 293 ms + 216.7 ms = 509.6 ms, counted as above.
+  // jerk of axis 2: 4096000/10000 = 409.6 /s³, which adds 50 ms to each ramp of 166.7 ms. A path
+  // from 0 to 1 at 3.41 /s takes 293 ms + 216.7 ms = 509.6 ms, counted as above.
   EXPECT_GE(tick(), before + 510);
   EXPECT_LE(tick(), before + 510 + 21);
   EXPECT_NEAR(static_cast<double>(*session_.axis("1.1")->read(kMoveJerkTime)), 50'000.0, 10.0);
@@ -801,7 +801,8 @@ TEST_F(LockStepGroup, StreamsVelocitiesOfThreeAxes) {
   ASSERT_TRUE(group.move_together(vector({0, 0, 0}))) << "profile position is back";
 }
 
-// 6074h is the command of the last of 8 servo cycles, an eighth of a step before the end.
+// 6074h is the command of the last of 8 servo cycles, an eighth of a tick before the end of the
+// tick.
 TEST_F(LockStepGroup, StreamsTorquesOfThreeAxes) {
   AxisGroup group = enabled(3);
   ASSERT_TRUE(group.start_streaming({.what = Streamed::torques}));
@@ -851,8 +852,8 @@ class BigGroup : public Group {
  protected:
   BigGroup() : Group("--clock lockstep --axes 64") {}
 
-  /// Sets random limits, so that any axis may be the slowest, and position windows that end no move
-  /// late.
+  /// Sets random limits, so that any axis may be the slowest, and position windows so wide that no
+  /// move ends late.
   void prepare(std::mt19937_64& random) {
     const auto between = [&](double low, double high) {
       return static_cast<std::int64_t>(
@@ -961,7 +962,7 @@ TEST(TwoServices, WithDifferentClocksCannotFormAGroup) {
   EXPECT_THAT(periods.outcome().message(), HasSubstr("bench 1 and bench 3 have different periods"));
 }
 
-/// The demands that a move of two axes showed by tick. On a busy machine some ticks are missed.
+/// The demands of two axes in a move, by tick. On a busy machine some ticks are missed.
 class DemandByTick {
  public:
   GroupCallOptions options() {
@@ -1075,7 +1076,7 @@ TEST(TwoServices, StartInTheSameTickInRealTime) {
 /// Streams 1,000 set-points. @return whether each arrived in time.
 testing::AssertionResult stream_a_thousand(
     AxisGroup& group, Streamed what, const std::function<Eigen::VectorXd(int)>& set_points_of) {
-  // A busy machine may not run this thread for more than 10 ms.
+  // On a busy machine this thread may not run for more than 10 ms at a time.
   const Outcome started = group.start_streaming({.lead = 400ms, .what = what});
   if (!started) return testing::AssertionFailure() << started.message();
   std::uint64_t first = 0;
@@ -1095,7 +1096,7 @@ testing::AssertionResult stream_a_thousand(
   return testing::AssertionSuccess();
 }
 
-/// Two enabled axes in real time. Only its set-points keep the session alive.
+/// Two enabled axes in real time, in a session that sends no keep-alive but its set-points.
 class RealtimeStream {
  public:
   RealtimeStream() {

@@ -4,8 +4,8 @@
 //
 //   co_stepper DOMAIN AXIS AXES STEPPERS
 //
-// Prints "joined" when it has joined the clock, then moves its axis and observes all axes at ticks
-// of its own choice, and finally prints a digest of all that it observed.
+// Prints "joined" when it has joined the clock, then moves its axis and observes all axes at
+// intervals that depend on AXIS, and finally prints a digest of all that it observed.
 #include "vdrive/client/axis.hpp"
 #include "vdrive/client/session.hpp"
 #include "vdrive/client/step_clock.hpp"

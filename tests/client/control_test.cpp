@@ -36,7 +36,7 @@ constexpr std::uint16_t kConnectionLost = 0x8130;
 // If the machine stalls for half a second, every session is lost and the run proves nothing.
 constexpr int kAttempts = 5;
 
-/// Ticks of a bench in real time are milliseconds since the epoch.
+/// Ticks of a bench in real time are milliseconds since 1970.
 std::uint64_t tick_now() {
   return static_cast<std::uint64_t>(std::chrono::duration_cast<std::chrono::milliseconds>(
                                         std::chrono::system_clock::now().time_since_epoch())
@@ -107,7 +107,7 @@ class Bystanders {
 
 /// How the axis reacts to a signal sent to the master that moves it.
 struct Loss {
-  std::uint64_t signalled = 0;  ///< its tick, at the latest
+  std::uint64_t signalled = 0;  ///< tick of the signal, or a later one
   AxisSnapshot fault;
   AxisSnapshot rest;
 };

@@ -104,7 +104,7 @@ TEST_P(Enabling, LetsTheAxesRestInEveryMode) {
   }
 }
 
-// The axis is still in the mode with 60FFh = 200 in which the fault has stopped it.
+// The fault or the quick stop leaves the axis in its mode, with 60FFh = 200.
 TEST_P(Enabling, LetsAnAxisRestThatAFaultOrAQuickStopHasStopped) {
   enable();
   for (const bool by_fault : {true, false}) {

@@ -168,7 +168,7 @@ TEST_F(DriveWithHabits, MovesHomesAndStopsADriveThatLooksOnceIn4Ms) {
   expect_enabled();
 }
 
-// f: the state that it still shows from before the stop must not be taken for the one after it.
+// f: the state shown from before the stop must not be taken for the one after it.
 TEST_F(DriveWithHabits, AQuickStopOfADriveThatLooksSeldomEndsAtStandstill) {
   have("habit_controlword_loop", 16);
   auto group = AxisGroup::create(session_, std::array{axis_, other_}).value();

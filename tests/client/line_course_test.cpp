@@ -31,7 +31,7 @@ class MovingLine : public testing::Test {
     return continued_course(course, axes, targets, units);
   }
 
-  /// @return the reason for which the axes cannot continue to `targets`.
+  /// @return why the axes cannot continue to `targets`.
   [[nodiscard]] std::string refusal(const std::vector<std::int32_t>& targets) const {
     const auto taken = continued(targets);
     return taken ? "taken" : taken.outcome().message();

@@ -65,7 +65,8 @@ class IdleStepper {
   std::string session_;
 };
 
-// Its participant is lost when its lease of 2 s expires; then it is removed from the clock.
+// The killed program's participant is lost when its lease of 2 s expires; then the bench removes
+// the program from the clock.
 TEST(StepClock, NamesAKilledProgramAndContinuesAfterItsRemovalFromTheClock) {
   const RunningService first("--clock lockstep");
   const RunningService second("--clock lockstep --bench 2");

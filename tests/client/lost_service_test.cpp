@@ -96,7 +96,7 @@ TEST(TwoServices, ALostServiceStopsTheAxesOfTheOther) {
   EXPECT_EQ(other->status.velocity_demand_value, 0);
 }
 
-// The service freezes during the jog, and the program ends before it continues.
+// The service freezes during the jog, and the program ends before the service continues.
 TEST(EndOfAJog, OfALostBenchLeavesTheAxisToTheWatchdog) {
   const RunningService service("");
   {

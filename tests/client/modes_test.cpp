@@ -112,7 +112,7 @@ TEST_F(Modes, ALateVelocitySaysHowFastTheAxisIs) {
   EXPECT_TRUE(axis_.halt());
 }
 
-// 10 per mille a second: 20 of 100 after 2 s.
+// At 10 ‰/s the torque reaches 20 ‰ of 100 ‰ in 2 s.
 TEST_F(Modes, ALateTorqueSaysHowMuchIsApplied) {
   const Outcome late = axis_.apply_torque(100, {.slope = 10, .call = {.timeout = 2s}});
   EXPECT_EQ(late.kind(), OutcomeKind::timed_out);
@@ -528,7 +528,8 @@ TEST_F(Modes, AGroupOfOneStreamsVelocities) {
   EXPECT_EQ(now().status.velocity_demand_value, 0);
 }
 
-// 6074h is the command of the last of 8 servo cycles, an eighth of a step before the end.
+// 6074h is the command of the last of 8 servo cycles, an eighth of a tick before the end of the
+// tick.
 TEST_F(Modes, AGroupOfOneStreamsTorques) {
   auto group = AxisGroup::create(session_, std::vector<Axis>{axis_});
   ASSERT_TRUE(group);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Causes that make a Motion, or a call that waits, fail; of competing motions one succeeds.
+// Events that make a Motion or a waiting call fail. Of competing motions, one succeeds.
 #include "client/objects.hpp"
 #include "support/bench_on_wire.hpp"
 #include "vdrive/client/axis.hpp"
@@ -272,7 +272,7 @@ const std::vector<Deed> kDeeds{
        others.halt().or_throw();
      },
      "was halted"},
-    // ---- without effect on it
+    // ---- without effect on the motion
     {"ARead",
      [](Session&, Axis& axis, Axis&) {
        axis.read(kTarget).outcome().or_throw();
@@ -347,8 +347,8 @@ TEST_P(OneMotion, EndsByWhatComesAfterItAndSaysByWhat) {
   const Motion motion = moving();
   result_record.run(session_, axis_, others_);
   const bool is_taken = result_record.cause.find("taken the axis") != std::string::npos;
-  // By then everything that the deed has started is over. A master that is silent for that long
-  // loses its axis.
+  // After 5,000 ticks everything that the deed started is over. An axis that was taken gets only
+  // 50, because its new owner is silent and would lose it.
   session_.step(1, is_taken ? 50 : 5'000).outcome().or_throw();
   const auto ended = motion.has_ended();
   const Outcome waited = motion.wait();

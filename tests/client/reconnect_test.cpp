@@ -232,7 +232,7 @@ class Bench {
           wire_->deliver(outbox_);
           if (round % kStateEvery == 0) wire_->publish(state(kBench, kIncarnation, engine_.tick()));
         } else {
-          // As the service does: the next wire starts with empty lanes.
+          // As in the service, the next wire starts with empty rings.
           while (outbox_.status.front() != nullptr) outbox_.status.pop();
         }
         while (outbox_.events.front() != nullptr) outbox_.events.pop();
@@ -497,8 +497,7 @@ TEST(Reconnect, ASilenceBeyondThePatienceEndsWhatFollowsABenchWithItsReason) {
   EXPECT_THAT(reports.end, reason);
 }
 
-// It is a matter of chance which thread runs first afterwards: the one that waits or the one that
-// receives.
+// After the pause, either thread may run first: the one that waits or the one that receives.
 TEST(Reconnect, APauseOfTheProgramItselfIsNoSilenceOfTheBench) {
   const test::RunningService service("--axes 1");
   Session sut(options());

@@ -396,7 +396,7 @@ TEST_F(AxisOfAnotherSession, NamesToItsOwnerTheSessionThatStoppedIt) {
   });
   const Outcome quick_stop = axis_->quick_stop();
   const auto stopped = reported.await(EventKind::stopped);
-  owner_.on_event({});  // it outlives `reported`
+  owner_.on_event({});  // the session outlives `reported`
   ASSERT_TRUE(quick_stop);
   ASSERT_TRUE(stopped);
   EXPECT_EQ((AxisId{stopped->bench, stopped->axis}), (AxisId{1, 1}));
@@ -417,7 +417,7 @@ TEST_F(LockStep, AnObserverOfEventsMayCommandAxes) {
   const auto written = axis_->write(kOverCurrent, 1);
   const bool has_stepped = static_cast<bool>(sut_.step(1, 1));
   const auto fault = reported.await(EventKind::fault);
-  sut_.on_event({});  // it outlives `reported`
+  sut_.on_event({});  // the session outlives `reported`
   ASSERT_TRUE(written && has_stepped);
   ASSERT_TRUE(fault);
   EXPECT_EQ(other->status()->state(), PowerState::switch_on_disabled);
@@ -466,7 +466,8 @@ TEST_F(LockStep, DisturbsAnAxisAndRemovesTheDisturbance) {
 TEST_F(LockStep, EachDisturbanceCausesTheFaultThatItsRowNames) {
   ASSERT_TRUE(axis_->write({0x6065, 0}, 1'000)) << "following error window [UU]";
   ASSERT_TRUE(axis_->write({0x6066, 0}, 1)) << "following error time-out [ms]";
-  // In reverse order: after a load torque, the first, the axis would run on for a long time.
+  // In reverse order: the load torque, which comes first, would keep the axis moving for a long
+  // time.
   for (auto next = kDisturbances.rbegin(); next != kDisturbances.rend(); ++next) {
     const DisturbanceRow& row = *next;
     SCOPED_TRACE(row.name);
@@ -633,7 +634,7 @@ TEST_F(LockStep, ASessionThatReceivesEvery8MsMissesNoStatus) {
   }
 }
 
-// Ticks of 1 ms, and samples that wait: a sample is as many ms old as ticks were run after it.
+// Ticks take 1 ms, so a sample that waits is as many ms old as ticks have been run after it.
 TEST_F(LockStep, AFollowerMeasuresHowFarItsSamplesAreBehindTheBench) {
   auto follower = sut_.follow({{1, 1}}, Pace::observe);
   ASSERT_TRUE(follower);

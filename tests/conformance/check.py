@@ -13,7 +13,7 @@ that exist, ran and passed.
 
 A statement is an item of a list, "- **M-12** text", possibly of several lines. Its last line has the names
 of its tests as tests/checks/results.py prints them, in backticks, separated by <br>. A line of names before
-a list holds each of its items that has none. Identifiers of conformance.md: O-607D:01 an object of the
+a list applies to each of its items that has none. Identifiers of conformance.md: O-607D:01 an object of the
 manual's table, M-12 a statement of the manual, A-12 an ambiguity, R-12 a rule of interoperability; of
 conformance-canopen.md: O-1017 an object of CiA 301, C-12 a clause of CiA 301, D-12 one of CiA 402 on
 CANopen, M-12 a rule that masters rely on. A test that was skipped, disabled or left out does not count.
@@ -106,8 +106,8 @@ def check_communication_objects(rows):
             + [f"object {name} is none of CiA 301 that a drive has" for name in sorted(present - wanted)])
 
 
-# Per page: letter -> (kind of statement, their number; None: at least one), and the function that
-# checks its rows about objects.
+# Per page: letter -> (kind of statement, how many there are; None: at least one), and the function
+# that checks the rows about objects.
 Page = collections.namedtuple("Page", "kinds check_objects")
 PAGES = {
     "conformance.md": Page({"M": ("statement of the manual", None), "A": ("ambiguity", 48),

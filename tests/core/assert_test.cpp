@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Bugs of our own end the program where they occur, in every build that runs tests.
+// A broken invariant ends the program where it occurs, in every build that runs tests.
 #include "vdrive/assert.hpp"
 
 #include "vdrive/axis_bank.hpp"

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // The bank: the same bits however it is stepped, snapshots, no allocation in a tick, random
-// programmes, power cycle, periods, refused configurations.
+// programs, power cycle, periods, refused configurations.
 #include "vdrive/axis_bank.hpp"
 
 #include "core/support/allocation_guard.hpp"
@@ -60,7 +60,7 @@ std::vector<AxisConfiguration> mixed_axes(std::size_t count) {
   return axes;
 }
 
-/// A command that suits the axis; now and then a test bench input that is switched on or off.
+/// A command that suits the axis's state; now and then, a test-bench input to switch on or off.
 test::Write draw(const AxisBank& bank, std::size_t axis, Random& random) {
   if (!random.one_in(8)) return test::draw_write(bank.status(axis), random);
   for (std::uint16_t input = 0x5E00; input <= 0x5E0A; ++input) {
@@ -70,7 +70,7 @@ test::Write draw(const AxisBank& bank, std::size_t axis, Random& random) {
                           : test::draw_write(bank.status(axis), random);
 }
 
-/// The same writes for all banks that show the same status.
+/// Banks with the same status and the same `random` get the same writes.
 void write_randomly(AxisBank& bank, Random& random) {
   for (std::size_t axis = 0; axis < bank.size(); ++axis) {
     if (!random.one_in(20)) continue;
@@ -270,8 +270,7 @@ TEST(AxisBank, ContinuesFromTheBytesOfASnapshotLikeTheBankThatWroteIt) {
 }
 
 #ifdef __GLIBC__
-/// Allocated memory, and the stack below this frame, hold this byte until their owner writes to
-/// them.
+/// Fills newly allocated memory, and the stack below this frame, with a byte.
 class MemoryFilledWith {
  public:
   explicit MemoryFilledWith(int byte) {
@@ -294,7 +293,7 @@ class MemoryFilledWith {
   }
 };
 
-// Otherwise journals would contain process memory, and two journals of one program would differ.
+// Otherwise journals would contain process memory, and those of the same program would differ.
 TEST(AxisBank, WritesTheSameBytesOfASnapshotWhateverWasInTheMemoryBefore) {
   const auto bytes_after_writes = [](int byte) {
     const MemoryFilledWith filled(byte);
@@ -316,8 +315,8 @@ TEST(AxisBank, WritesTheSameBytesOfASnapshotWhateverWasInTheMemoryBefore) {
 
 // ---- noise of the load -------------------------------------------------------------------------
 
-/// Axes of `mixed_axes` with noise of 0.05 N.m, the most that Coulomb friction holds; it moves the
-/// axes without power.
+/// `mixed_axes` with load noise of 0.05 N.m root mean square. Its peaks exceed the Coulomb friction
+/// of 0.05 N.m, so the axes move without power.
 AxisBank noisy_bank(std::uint64_t seed) {
   AxisBank bank(mixed_axes(13), microseconds{1000});
   for (std::size_t axis = 0; axis < bank.size(); ++axis) bank.set_load_noise(axis, 0.05, seed);
@@ -595,8 +594,8 @@ TEST(AxisBank, WritingTheSameValueAgainChangesNoBit) {
   }
 }
 
-/// Writes to all axes of two banks that end a rest, or that must not end it: moves, windows and
-/// their times, disturbances, loss of power. Mostly nothing.
+/// Now and then, writes to an axis of both banks something that ends its rest or must not end it:
+/// moves, windows and their times, disturbances, loss of power.
 void disturb_rest(AxisBank& a, AxisBank& b, Random& random) {
   const std::array<std::pair<std::string_view, std::int64_t>, 9> writes{{
       {"position_target_reached_window_time", 900},
@@ -638,7 +637,7 @@ TEST(AxisBank, AnAxisAtRestBehavesAsIfEveryTickWereCalculated) {
     for (int tick = 0; tick < 3'000; ++tick) {
       disturb_rest(resting, watched, random);
       for (std::size_t axis = 0; axis < axes.size(); ++axis) {
-        // A written axis goes through every calculation of its next tick.
+        // After a write, the next tick of an axis is calculated in full.
         watched.write(axis, object("profile_acc"), watched.read(axis, object("profile_acc")).value);
       }
       resting.step();
@@ -650,7 +649,7 @@ TEST(AxisBank, AnAxisAtRestBehavesAsIfEveryTickWereCalculated) {
 
 TEST(AxisBank, TheTargetReachedTimeRunsWhileNothingOfAnAxisChanges) {
   // 6068h is raised to 20 s after 25 s on the target: bit 10 stays set; then to 60 s: bit 10 is
-  // cleared. Ten seconds after this move the integrator of the velocity loop has come to rest, too.
+  // cleared. Ten seconds after this move the integrator of the velocity loop has settled, too.
   AxisUnderTest axis;
   axis.enable();
   axis.write("position_user_target_value", 10'000);
@@ -710,9 +709,9 @@ TEST(AxisBank, IgnoredSetPointsAreCountedBeforeTheNextTick) {
   EXPECT_EQ(bank.status(0).ignored_set_points, 1U);
 }
 
-// ---- random programmes -------------------------------------------------------------------------
+// ---- random programs ---------------------------------------------------------------------------
 
-/// Axes of every kind that the generator draws, with their programmes and a watch for each axis.
+/// Axes of every kind that the generator draws, with a program and a watch for each of them.
 class WatchedBank {
  public:
   explicit WatchedBank(std::uint64_t seed) : random_(seed) {
@@ -729,7 +728,7 @@ class WatchedBank {
     }
   }
 
-  /// @return the programme of an axis and its violation; empty if there is none.
+  /// @return the first violation and the program of its axis; empty if there is none.
   std::string run(int ticks) {
     for (int tick = 0; tick < ticks && violation_.empty(); ++tick) {
       for (axis_ = 0; axis_ < kAxes; ++axis_) {
@@ -828,7 +827,7 @@ bool beyond_physics(const ObjectDescription& row, std::int64_t value) {
   return scales && std::abs(value) > 100'000;
 }
 
-/// For a while, writes any values that the dictionary allows, and moves.
+/// For `ticks`, writes arbitrary values that the dictionary allows, and moves.
 void abuse(AxisUnderTest& axis, Random& random, std::uint64_t ticks, bool physical) {
   for (std::uint64_t tick = 0; tick < ticks; ++tick) {
     if (random.one_in(10)) {

@@ -45,9 +45,9 @@ AxisConfiguration lifting_axis() {
 }
 
 TEST(LimitedJerkOfAPlant, NeedsTheTorqueOfTheWeightAndOfItsRoundedRamp) {
-  // 409600 UU/s² are 628.3 rad/s², which take 0.377 N.m on 6e-4 kg.m²: 125.7 per mille on top of
-  // the 200 for the weight. With 4096000 UU/s³ they are reached after 0.1 s, half of them after
-  // 0.05 s; 100000 UU/s are reached after 100000/409600 + 0.1 = 0.344 s.
+  // The acceleration of 409600 UU/s², 628.3 rad/s², takes 0.377 N.m on 6e-4 kg.m²: 125.7 per mille
+  // on top of the 200 for the weight. With 4096000 UU/s³ it is reached after 0.1 s, half of it
+  // after 0.05 s, and the speed of 100000 UU/s after 100000/409600 + 0.1 = 0.344 s.
   AxisUnderTest axis(lifting_axis());
   round_profiles(axis, 4'096'000);
   axis.write("profile_velocity", 100'000);
@@ -116,8 +116,8 @@ AxisConfiguration turntable(std::int32_t position, std::int64_t span = kSpanOfTa
   return configuration;
 }
 
-/// At 3900, moving across the end of the range to 204: 400 UU with 1600000 UU/s³. These are four
-/// pieces of 0.05 s: 400 = 2 x 1600000 x 0.05³; at most 80000 UU/s² and 4000 UU/s.
+/// Moves from 3900 across the end of the range to 204: 400 UU with 1600000 UU/s³, in four phases of
+/// 0.05 s: 400 = 2 x 1600000 x 0.05³; at most 80000 UU/s² and 4000 UU/s.
 class RoundedTurn : public testing::Test {
  protected:
   static constexpr std::int64_t kTurnJerk = 1'600'000;
@@ -213,9 +213,9 @@ TEST_F(RoundedTurn, ReachesATargetBehindThePlaceOfRestOfTheJerkInThisTurn) {
 // ---- touch probes of a modulo axis --------------------------------------------------------------
 
 TEST(TouchProbeOfAModuloAxis, LatchesPlacesOfTheRangeBehindItsEnd) {
-  // From 4000 over 0 to 500, 596 UU with 409600 UU/s²: 12671 UU/s at the first edge, after 196 UU,
-  // and 12800 UU/s at the second, 200 UU before the end. At these speeds a sub-step of 125 us is
-  // 1.6 UU.
+  // From 4000 through 0 to 500, 596 UU with 409600 UU/s²: 12671 UU/s at the first edge, after 196
+  // UU, and 12800 UU/s at the second, 200 UU before the end. At these speeds a sub-step of 125 us
+  // is 1.6 UU.
   AxisUnderTest axis(turntable(4'000));
   axis.write("test_switch_home", 4'196);  // in machine coordinates: 100 in the range
   axis.write("test_switch_home_length", 200);
@@ -234,7 +234,7 @@ TEST(TouchProbeOfAModuloAxis, LatchesPlacesOfTheRangeBehindItsEnd) {
 
 TEST(TouchProbeOfAModuloAxis, LatchesEachIndexPulseInTheRange) {
   // A range of 1000 UU and a pulse every 4096 UU: the n-th pulse is at 96 n modulo 1000. At 40960
-  // UU/s it is detected at most 5.12 UU late. 4.2 s contain 41 of them.
+  // UU/s it is detected at most 5.12 UU late. In 4.2 s there are 41 pulses.
   constexpr std::int64_t kRange = 1'000;
   constexpr std::int64_t kPulse = 4'096;
   AxisUnderTest axis(turntable(0, kRange));
@@ -354,7 +354,7 @@ class UnroundedQuickStop : public testing::TestWithParam<UnroundedRow> {
     ASSERT_GT(axis.velocity(), 15'000);
   }
 
-  /// @return the loss of the demand in a tick, from the third tick of a stop on [UU/s].
+  /// @return the decrease of 606Bh per tick [UU/s], from the third tick of a stop on.
   static std::int32_t loss(AxisUnderTest& axis) {
     axis.step(2);
     const std::int32_t before = axis.demand_velocity();
@@ -378,7 +378,7 @@ TEST_P(UnroundedQuickStop, HasTheWholeNormalRampAtOnce) {
   axis.write("quick_stop_option_code", 1);
   axis.controlword(0x0002);
   if (GetParam().mode == 10) {
-    axis.step(20);  // 100 per mille by 6087h, 10 in a tick
+    axis.step(20);  // 100 per mille, 10 per tick by 6087h
     EXPECT_EQ(axis.status().torque_demand, 0);
     EXPECT_EQ(axis.demand_velocity(), 0);
   } else {

@@ -27,7 +27,7 @@ void stream_torque(AxisUnderTest& axis, std::int32_t torque) {
   axis.step();
 }
 
-/// With `torque` at the speed limit 607Fh, 40000 UU/s; ramps of 50, 100 and 200 UU/s per tick.
+/// With `torque`, at the speed limit 607Fh of 40000 UU/s; ramps of 50, 100 and 200 UU/s per tick.
 void run_with_streamed(AxisUnderTest& axis, std::int32_t torque) {
   axis.write("profile_dec", 50'000);
   axis.write("quick_stop_deceleration", 100'000);
@@ -39,8 +39,8 @@ void run_with_streamed(AxisUnderTest& axis, std::int32_t torque) {
   ASSERT_GT(axis.velocity() * (torque < 0 ? -1 : 1), 35'000);
 }
 
-// 6074h is the command of the last of the 8 servo cycles of a tick. At the end of the tick the
-// torque is the target; in its last cycle it is 7/8 of the way there.
+// 6074h is the command of the last of the 8 sub-steps of a tick. At the end of the tick the torque
+// is the target; in the last sub-step it is 7/8 of the way there.
 TEST(CyclicTorque, TheTorqueIsTheTargetAtTheEndOfItsTick) {
   for (const int sign : {1, -1}) {
     AxisUnderTest axis;
@@ -63,7 +63,7 @@ TEST(CyclicTorque, TheTorqueChangesInEqualPartsOver60C2h) {
   axis.write("target_torque", 800);
   for (int tick = 1; tick <= 10; ++tick) {
     axis.step();
-    // 80 per tick, 10 per servo cycle: the last cycle commands 10 less than the value at the end.
+    // 80 per tick, 10 per sub-step: the last sub-step commands 10 less than the value at the end.
     ASSERT_EQ(axis.status().torque_demand, 80 * tick - 10);
     ASSERT_TRUE(axis.follows_command()) << "on its way";
   }

@@ -59,7 +59,7 @@ TEST(CyclicVelocity, TheAxisRunsAtTheVelocity) {
 //   second tick: 628.3 + 4.935·(28/8 + 7) = 680.1/s, and nothing fed forward.
 // 1000 UU/s at 1/s are 2π·1000/4096 rad/s², which are 0.30680 per mille with 6e-4 kg.m² and 3 N.m:
 // 479.4 and 208.7. A step at the beginning of the tick would command 628.3 + 4.935·7 = 662.8/s
-// without the rest.
+// without the part that is fed forward.
 TEST(CyclicVelocity, TheVelocityRampsWithinItsTick) {
   AxisUnderTest axis;
   axis.write("test_blocked_load", 1);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The effect of a write of each writable object, and when it takes place: immediately, with the
+// The effect of a write to each writable object, and when it takes place: immediately, with the
 // next set-point, or with the next transition 4. One row per object; the rows together must cover
 // all writable objects of both tables.
 #include "core/support/axis_under_test.hpp"
@@ -90,7 +90,7 @@ void pressing_backward(AxisUnderTest& axis) {
   pressing(axis, -1);
 }
 
-/// A load pushes the enabled axis away, whose torque is limited to almost zero.
+/// An enabled axis whose torque is limited to almost zero; a load pushes it away.
 void pushed(AxisUnderTest& axis) {
   axis.write("following_error_window", 0xFFFFFFFF);
   axis.write("positive_torque_limit_relative", 1);
@@ -242,7 +242,7 @@ std::vector<EffectRow> window_rows() {
          axis.write("following_error_window", 2);
        },
        fault_code},
-      // The actual speed of a halted axis under a moving load: standstill below 606Fh.
+      // A load moves a halted axis: it counts as standing still if its speed is below 606Fh.
       {"velocity_threshold", 0xFFFF, 0x0000, 0x0400,
        [](AxisUnderTest& axis) {
          pushed(axis);
@@ -278,7 +278,7 @@ std::vector<EffectRow> torque_rows() {
 
 std::vector<EffectRow> gear_rows() {
   const auto load_over_motor = [](AxisUnderTest& axis) {
-    axis.step(2);  // readings over one whole tick
+    axis.step(2);  // so that the speeds are those of a whole tick
     return static_cast<double>(axis.velocity()) / axis.status().motor_velocity_actual_value;
   };
   const auto spinning = [](AxisUnderTest& axis) {
@@ -314,7 +314,7 @@ std::vector<EffectRow> bench_rows() {
     return static_cast<double>(axis.read("error_history_count"));
   };
   return {
-      // 1 N.m minus 0.05 N.m of friction, on 6e-4 kg.m2; 606Ch lags by half a tick of the ten.
+      // 1 N.m minus 0.05 N.m of friction, on 6e-4 kg.m2; 606Ch lags by half a tick.
       {"test_load_torque", 1'000, 0.0, 0.95 / 6.0e-4 * test::kUnitsPerRadian, nothing, acceleration,
        70'000.0},
       {"test_blocked_load", 1, 1.0, 0.0, moving, blocked_speed},
@@ -400,7 +400,8 @@ TEST(EffectAtSetPoint, TheProfileVelocityWaitsForTheNextEdgeOfBit4) {
 }
 
 TEST(EffectAtSetPoint, ThePositioningOptionWaitsForTheNextEdgeOfBit4) {
-  // From the target 5000 instead of the actual position: the relative move is written in motion.
+  // A relative move that is written in motion starts from the target 5000, not from the actual
+  // position.
   AxisUnderTest axis;
   axis.write("profile_velocity", 10'000);
   axis.enable();

@@ -299,13 +299,13 @@ const std::set<std::int64_t> kHomingMethods{-4, -3, -2, -1, 0,  1,  2,  3,  4,  
                                             9,  10, 11, 12, 13, 14, 17, 18, 19, 20, 21, 22, 23,
                                             24, 25, 26, 27, 28, 29, 30, 33, 34, 35, 37};
 
-/// The answer that the sheet requires for a write. Access is checked first, then the range of the
-/// row (a value outside the type is also outside the row's range), then the narrower rules of
-/// single objects.
+/// @return the abort code that a write must get. Access is checked first, then the range of the row
+///         (a value outside the type is also outside the row's range), then the narrower rules of
+///         single objects.
 AbortCode expected_answer(const ObjectDescription& object, std::int64_t value) {
   if (object.access == Access::read_only) return AbortCode::write_of_read_only_object;
-  // 1003h:00, "write 0 to sub 0 empties it; any other value is refused"; 6098h, "0 or a supported
-  // method"; 6086h and 60A3h: whatever the range of the row.
+  // The meaning of a value decides in these four, not the range of their rows. 1003h:00: "write 0
+  // to sub 0 empties it; any other value is refused"; 6098h: "0 or a supported method".
   constexpr std::array<std::uint16_t, 4> kByMeaning{0x1003, 0x6086, 0x6098, 0x60A3};
   const bool by_meaning = std::ranges::find(kByMeaning, object.address.index) != kByMeaning.end();
   const TypeRange type = range_of(object.data_type);
@@ -342,7 +342,7 @@ AbortCode expected_answer(const ObjectDescription& object, std::int64_t value) {
                  : AbortCode::value_range_exceeded;
     case 0x1003:  // only 0 empties the history
       return value == 0 ? AbortCode::none : AbortCode::value_range_exceeded;
-    case 0x1010:  // "save" and "load", which the sweep does not write
+    case 0x1010:  // accept only "save" and "load", which the sweep does not write
     case 0x1011:
       return AbortCode::cannot_store_or_transfer;
     default:

@@ -113,7 +113,7 @@ TEST(HoldingBrake, HoldsAVerticalAxisWithoutPower) {
 }
 
 TEST(HoldingBrake, HoldsTheMotorOfAnElasticAxis) {
-  // At first the weight drops onto the shaft, which gives twice its 0.6 N.m.
+  // At first the weight drops onto the shaft, which doubles its 0.6 N.m.
   AxisUnderTest axis(braked_axis(2.0, Coupling::two_inertia));
   axis.step(2'000);
   EXPECT_EQ(axis.status().motor_position_actual_value, 0);
@@ -241,7 +241,7 @@ TEST(HoldingBrake, IsClosedInTheFirstTickWithPower) {
   AxisConfiguration configuration = braked_axis(2.0);
   configuration.model.brake_release_time = 0.05;
   AxisUnderTest axis(configuration);
-  axis.enable();  // with no tick without power before it
+  axis.enable();  // no tick without power has come before
   axis.step(48);
   EXPECT_EQ(axis.actual(), 0);
   EXPECT_EQ(axis.status().torque_actual_value, 0);
@@ -262,7 +262,7 @@ TEST(HoldingBrake, DropsWhenAFaultTakesThePower) {
   AxisUnderTest axis(braked_axis(2.0));
   axis.enable();
   axis.step(3'000);
-  axis.write("test_encoder_failure", 1);  // the axis cannot brake: the power is removed at once
+  axis.write("test_encoder_failure", 1);  // the axis cannot brake: the power is removed
   axis.step(1'000);
   EXPECT_NEAR(axis.actual(), 0, 3);
   EXPECT_EQ(axis.velocity(), 0);
@@ -270,7 +270,7 @@ TEST(HoldingBrake, DropsWhenAFaultTakesThePower) {
 
 // ---- cogging and torque ripple -----------------------------------------------------------------
 
-// Two parabolas instead of a sine, whose last bits differ between machines.
+// sine_of_turns() uses two parabolas, because the last bits of a sine differ between machines.
 TEST(SineOfTurns, IsExactAtQuartersAndNearBetween) {
   EXPECT_EQ(sine_of_turns(0.0), 0.0);
   EXPECT_EQ(sine_of_turns(0.25), 1.0);
@@ -426,7 +426,8 @@ TEST(EncoderNoise, IsTheSameForTheSameSeedAndAnotherForAnotherSeedAndAxis) {
   EXPECT_LT(as_other_encoder, 10);
 }
 
-// The numbers are drawn for the entire block; the segments of a move divide the block's tick.
+// Random numbers are drawn for a whole block, and the profile segments of one axis divide the tick
+// of all axes of its block.
 TEST(EncoderNoise, OfAnAxisIsTheSameWhateverItsNeighboursDo) {
   std::vector<AxisConfiguration> axes = noisy_axes(1, 1.0);
   axes.front().model.encoder_noise = 0.05;
@@ -844,7 +845,7 @@ TEST(PlantEffects, ContinueFromASnapshotAndItsBytes) {
 }
 
 TEST(PlantEffects, LetABrakedAxisSettle) {
-  // A settled axis takes its block out of the tick until something is written to it.
+  // A block whose axes have settled is left out of the tick until something is written to it.
   AxisBank bank(std::vector<AxisConfiguration>(8, braked_axis(2.0)), microseconds{1000});
   for (int tick = 0; tick < 2'000; ++tick) bank.step();
   bank.write(3, {0x5E00, 0}, 5'000);  // 5 N.m against the 2.6 N.m of brake and weight

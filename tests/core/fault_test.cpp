@@ -327,7 +327,7 @@ TEST(FollowingError, ABlockedLoadCausesAFollowingErrorFault) {
     axis.step();
     const bool outside = std::abs(axis.read("load_position_error_value")) > 20'480;  // 6065h
     if (outside && outside_since < 0) outside_since = tick;
-    // "Lasts longer than 6066h": after 20 ms not yet, after 21 ms.
+    // "Lasts longer than 6066h": not after 20 ms, but after 21 ms.
     const bool expected = outside_since >= 0 && tick - outside_since > 20;
     ASSERT_EQ((axis.statusword() & Statusword::kFollowingError) != 0, expected) << "tick " << tick;
   }
@@ -493,7 +493,8 @@ TEST_P(LimitSwitch, PreventsMotionTowardsIt) {
 }
 
 TEST_P(LimitSwitch, ASetPointTowardsItIsStillAcknowledgedWhileBit4IsHeld) {
-  // Bit 12 follows bit 4 (sheet 2.2 and 8.5): a master waits for bit 12 before it clears bit 4.
+  // The handshake must not hang (docs/explanation/decisions.md): a master waits for bit 12 before
+  // it clears bit 4.
   axis.enable();
   axis.write(input(), 1);
   axis.step();

@@ -145,8 +145,8 @@ TEST(FrozenFeedback, ChangesNothingButWhatIsShown) {
   ASSERT_NO_FATAL_FAILURE(run_program(twins, false));
 }
 
-// In a range from 0 to 4095 the demand passes the end of the range on its way from 4000; then the
-// short way to 4000 is the one backwards.
+// In a range from 0 to 4095 the demand passes the end of the range on its way from 4000; the
+// shorter way back to 4000 is then the one backwards.
 TEST(FrozenFeedback, ShowsTheErrorOfAModuloAxisByTheShorterWay) {
   AxisConfiguration table;
   table.initial_position = 4'000;

@@ -264,7 +264,7 @@ TEST(HabitShortQuickStop, EndsWithTheNextTickWhateverStillMoves) {
   EXPECT_EQ(axis.status().motor_op_status, 0);
   EXPECT_GT(axis.velocity(), 5'000) << "it coasts";
 
-  // By the standard, 10000 UU/s take 5 ms with 6085h = 2048000 UU/s².
+  // By the standard, braking from 10000 UU/s with 6085h = 2048000 UU/s² takes 5 ms.
   AxisUnderTest usual;
   run_far(usual);
   usual.command(0x0002);
@@ -413,7 +413,7 @@ TEST(HabitControlwordLoop, TakesAnEdgeThatLastsALoop) {
   axis.controlword(0x003F);
   axis.step(4);
   EXPECT_TRUE(axis.acknowledged());
-  // Clearing and setting bit 4 again between two looks is not a second edge.
+  // Clearing and setting bit 4 again between two samples is not a second edge.
   axis.write("position_user_target_value", 5'000);
   axis.command(0x000F);
   axis.command(0x003F);

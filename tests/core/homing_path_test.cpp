@@ -199,8 +199,8 @@ TEST_P(HomingPath, IsThatOfTheDrawing) {
   EXPECT_EQ(course.axis.state(), PowerState::operation_enabled);
 }
 
-// A tick of 1 ms is 3.4 UU at creep speed and 34.1 UU at search speed; a reading and the rounding
-// to whole numbers in this test add 2. An index pulse is located by the encoder.
+// A tick of 1 ms is 3.4 UU at creep speed and 34.1 UU at search speed; the reading of 6064h and the
+// rounding to whole numbers in this test add 2. An index pulse is located by the encoder.
 constexpr double kAtIndex = 1.5;
 constexpr double kAtCreep = 5.5;
 constexpr double kAtSearch = 36.5;
@@ -222,9 +222,9 @@ const std::vector<PathRow> kLimitPaths{
     {18, kNoCam, -31'000, ">> P < .", 30'000, kAtCreep},
 };
 
-// The mark at which the axis starts does not count, nor the one just past it: the next is a
-// revolution away. While accelerating to creep speed the axis travels 3413² / (2 x 409600) = 14 UU,
-// so it passes the mark just ahead before that.
+// A mark at which the axis starts, or which it has just passed, does not count: the next is a
+// revolution away. A mark 1 UU ahead is passed before the axis has creep speed, for which it needs
+// 3413² / (2 x 409600) = 14 UU.
 const std::vector<PathRow> kIndexPaths{
     {33, kNoCam, 100, "< .", 0, kAtIndex},     {33, kNoCam, 1, ".", 0, kAtIndex},
     {33, kNoCam, 0, "< .", -4'096, kAtIndex},  {33, kNoCam, -1, "< .", -4'096, kAtIndex},
@@ -236,7 +236,7 @@ const std::vector<PathRow> kIndexPaths{
 // speed; then -1 and -2 leave it at creep speed for the index pulse, while -3 and -4 have home at
 // the stop. An axis that starts at the stop reaches the torque before it has search speed: 64 UU of
 // lag take 18 ticks, in which 609Ah reaches 7241 UU/s. An axis at the other stop takes the same
-// path as one between both.
+// path as one between the two.
 const std::vector<PathRow> kStopPaths{
     {-1, kNoCam, 0, "<< S > .", -16'384, kAtIndex, kStop},
     {-1, kNoCam, -kStop, "> .", -16'384, kAtIndex, kStop},
@@ -411,8 +411,8 @@ TEST(HomingHomeSwitch, ThatIsMissedTwiceIsAnError) {
   }
 }
 
-// In these drawings the switch extends to the end of the travel, so there is no switch beyond a
-// limit switch.
+// In these drawings the switch extends to the end of the travel, so there is no home switch to find
+// beyond a limit switch.
 TEST(HomingHomeSwitch, ThatIsMissedBeforeALimitSwitchIsAnErrorOfMethods3To6) {
   for (int method = 3; method <= 6; ++method) {
     for (const int number : {method, method + 16}) {

@@ -17,7 +17,7 @@ using test::AxisUnderTest;
 
 constexpr double kFarStop = 1.0e12;
 // The bench blocks the load at the end of the tick that reaches the stop: at 34133 UU/s up to 34 UU
-// beyond it. A reading and the rounding to whole numbers in this test add 2.
+// beyond it. The reading of 6064h and the rounding to whole numbers in this test add 2.
 constexpr double kStopError = 36.5;
 
 /// An axis in front of a wall: 5E01h blocks its load there while its torque points to the wall.
@@ -52,7 +52,7 @@ class AxisAtWall {
     if (blocks != blocked_) axis.write("test_blocked_load", blocks ? 1 : 0);
     if (blocks && contact_at == 0) {
       contact_at = time;
-      wall = place;  // where the load really stops, so that it finds the same place again
+      wall = place;  // where the load really stops, so that later contacts are at the same place
     }
     blocked_ = blocks;
   }

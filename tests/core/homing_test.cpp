@@ -25,7 +25,7 @@ constexpr std::uint64_t kDeadline = 20'000;
 constexpr std::int32_t kLowest = std::numeric_limits<std::int32_t>::min();
 constexpr std::int32_t kHighest = std::numeric_limits<std::int32_t>::max();
 
-// Statusword bits 13, 12 and 10 (sheet of homing mode).
+// Statusword bits 13, 12 and 10 (CiA 402-2, homing mode).
 constexpr std::uint16_t kPhase = 0x3400;
 constexpr std::uint16_t kRunning = 0x0000;       // 000
 constexpr std::uint16_t kIdle = 0x0400;          // 001 not started or interrupted
@@ -915,7 +915,7 @@ TEST(HomingMethodObject, AcceptsZeroAndTheSupportedMethodsOnly) {
 
 // ---- software limits ---------------------------------------------------------------------------
 
-/// 607Dh = 10 to 1000 with 3535h: bit 11 at position 0 shows whether it is in force.
+/// 607Dh = 10 to 1000, switched on by 3535h: bit 11 at position 0 shows whether it is in force.
 Bench limited_bench(bool need_homing) {
   AxisConfiguration configuration;
   configuration.settings.limits_need_homing = need_homing;

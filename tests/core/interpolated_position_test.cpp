@@ -70,7 +70,7 @@ TEST(InterpolatedPosition, ARecordIsReachedAfter60C2h) {
 TEST(InterpolatedPosition, BitFourIsALevel) {
   AxisUnderTest axis;
   axis.write("op_mode_cmd", 7);
-  axis.command(0x001F);  // it was set before the mode could be active
+  axis.command(0x001F);  // bit 4 was set before the mode could be active
   EXPECT_TRUE(axis.interpolates());
   EXPECT_EQ(axis.status().ignored_set_points, 0U);
 }
@@ -421,7 +421,7 @@ TEST(InterpolatedPosition, ABlockedAxisHasAFollowingError) {
   axis.step();
   EXPECT_EQ(axis.statusword(), 0x221F) << "the fault reaction, bit 13";
   EXPECT_EQ(axis.read("error_code"), 0x8611);
-  // 605Eh = 2: from 100000 UU/s with 6085h = 2048000 UU/s² within 49 ticks.
+  // 605Eh = 2: braking from 100000 UU/s with 6085h = 2048000 UU/s² takes 49 ticks.
   axis.step(48);
   EXPECT_EQ(axis.statusword(), 0x221F);
   axis.step(3);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// 60C2h: the way to a set-point of cyclic synchronous position mode is spread over several ticks.
+// 60C2h: cyclic synchronous position mode spreads the path to a set-point over several ticks.
 #include "core/support/axis_under_test.hpp"
 #include "support/random_cases.hpp"
 #include "vdrive/axis_bank.hpp"
@@ -250,7 +250,7 @@ TEST(InterpolationPeriod, CountsForASetPointOfTheSameTickInAnyOrder) {
 }
 
 /// Random set-points at random ticks against the formula: in each tick the demand moves by the
-/// remaining way divided by the remaining ticks.
+/// remaining distance divided by the remaining ticks.
 TEST(InterpolationPeriod, FollowsItsFormulaForAnySetPoints) {
   const std::uint64_t seeds = test::case_count(40, 1'000);
   for (std::uint64_t seed = 0; seed < seeds; ++seed) {
@@ -481,7 +481,7 @@ TEST(InterpolationPeriod, IsTheDemandThatTheFollowingErrorCounts) {
   axis.write("interpolation_time_index", 0);
   enable_interpolating(axis, 1);
   axis.write("test_blocked_load", 1);
-  aim_at(axis, 20'000);  // 20 in each of the 1000 ticks: 120 after six and in the next
+  aim_at(axis, 20'000);  // 20 per tick: outside the window after six, a fault in the next
   EXPECT_EQ(axis.step_until(
                 [&axis] {
                   return axis.read("error_code") == 0x8611;
@@ -503,7 +503,7 @@ void go_half_the_way(AxisUnderTest& axis) {
   ASSERT_EQ(axis.demand(), 500);
 }
 
-/// From there: 100 ticks, each slower by 1000 UU/s, over 100000²/(2·1000000) = 5000.
+/// From there the axis brakes for 100 ticks, by 1000 UU/s each, over 100000²/(2·1000000) = 5000 UU.
 void expect_braking_on_the_way(AxisUnderTest& axis) {
   for (int tick = 1; tick <= 99; ++tick) {
     axis.step();

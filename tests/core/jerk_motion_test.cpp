@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// 6086h, 60A3h and 60A4h: the motions of an axis that have limited jerk, and changes of the jerk
-// from one plan to the next.
+// 6086h, 60A3h and 60A4h: which motions of an axis have limited jerk, and how the jerk changes from
+// one plan to the next.
 #include "core/support/axis_under_test.hpp"
 #include "support/random_cases.hpp"
 #include "vdrive/axis_bank.hpp"
@@ -39,7 +39,7 @@ void start_move(AxisUnderTest& axis, std::int64_t target) {
   axis.command(0x003F);
 }
 
-/// @return the loss of the demand's velocity in the next tick.
+/// @return the decrease of 606Bh in the next tick.
 std::int32_t lost_in_a_tick(AxisUnderTest& axis) {
   const std::int32_t before = axis.demand_velocity();
   axis.step();
@@ -121,12 +121,13 @@ TEST(LimitedJerk, HasASecondJerkForTheSpeedThatShrinks) {
   EXPECT_NEAR(lost_in_a_tick(axis), 61, 1);
 }
 
-/// Checks in each tick that the second difference of the demand's velocity is that of limited jerk.
+/// Checks in each tick that the second difference of 606Bh keeps to the limited jerk.
 class SmoothAxis {
  public:
   static constexpr std::int32_t kRounding = 3;
 
-  // 1e8 UU/s³: up to 100 UU/s of change from tick to tick; a ramp of 1e6 UU/s² gives 1000 at once.
+  // With 1e8 UU/s³ the change of speed per tick grows by up to 100 UU/s from tick to tick; without
+  // limited jerk a ramp of 1e6 UU/s² has 1000 UU/s in its first tick.
   SmoothAxis() {
     limit_jerk(axis_, kFirstJerk);
     axis_.write("profile_jerk_2", kFirstJerk);
@@ -301,7 +302,7 @@ TEST_P(LimitedJerkInMotion, StaysLimitedInProfileVelocityMode) {
 
 TEST_P(LimitedJerkInMotion, BeginsAndEndsWithoutAJumpOfTheVelocity) {
   // A trapezoid changes the acceleration abruptly, but no plan changes the velocity by more than
-  // its ramp in a tick.
+  // its ramp allows in a tick.
   std::int32_t before = 0;
   for (int change = 0; change < kChanges && !HasFailure(); ++change) {
     SCOPED_TRACE("change " + std::to_string(change));
@@ -396,7 +397,7 @@ TEST(LimitedJerk, IsNotInTheStopAtALimitSwitch) {
   EXPECT_NEAR(lost_in_a_tick(axis), kQuickTick, 1);
 }
 
-// A stop with 2048000 UU/s² that ended with a jerk of 4096000 UU/s³ would go on for 0.5 s, by
+// Taking back 2048000 UU/s² with a jerk of 4096000 UU/s³ would take 0.5 s and change the speed by
 // 512000 UU/s: backwards, and faster than any limit.
 TEST(LimitedJerk, TakesOfAStopThatEndsInMotionWhatItCanEndBeforeStandstill) {
   AxisUnderTest axis;
@@ -503,7 +504,7 @@ TEST(LimitedJerk, IsNotInHoming) {
 
 // ---- the bank -----------------------------------------------------------------------------------
 
-/// One moving axis each; the first has limited jerk if `has_jerk`.
+/// Axes that all move; the first has limited jerk if `has_jerk`.
 AxisBank moving_axes(std::size_t count, bool has_jerk) {
   AxisBank bank(std::vector<AxisConfiguration>(count), std::chrono::microseconds{1000});
   for (std::size_t axis = 0; axis < count; ++axis) {

@@ -17,9 +17,9 @@ constexpr MotionLimits kLimits{.velocity = 100.0, .acceleration = 200.0, .decele
 constexpr MotionJerk kJerk{.acceleration = 1000.0, .deceleration = 1000.0};
 
 TEST(JerkProfile, RunsTheSevenSegmentsOfTheTextbook) {
-  // 200 units/s² are built up in 0.2 s, to 20 units/s and 1000·0.2³/6 = 4/3 units. 0.3 s later 80
-  // units/s and 4/3 + 20·0.3 + 200·0.3²/2 = 49/3 units. 100 units/s at 0.7 s, after half of
-  // 100·0.7, 35 units. Braking takes the same; 30 units remain for 0.3 s at 100 units/s.
+  // 200 units/s² are built up in 0.2 s, to 20 units/s and 1000·0.2³/6 = 4/3 units. 0.3 s later the
+  // axis has 80 units/s and 4/3 + 20·0.3 + 200·0.3²/2 = 49/3 units, at 0.7 s 100 units/s and
+  // 100·0.7/2 = 35 units. Braking takes the same; 30 units remain for 0.3 s at 100 units/s.
   const JerkProfile profile = plan_jerk_move({}, 100.0, kLimits, kJerk);
 
   ASSERT_EQ(profile.segment_count(), 7U);
@@ -38,7 +38,7 @@ TEST(JerkProfile, RunsTheSevenSegmentsOfTheTextbook) {
 }
 
 TEST(JerkProfile, RunsAShortMoveByItsJerkAlone) {
-  // Four times T with 2·J·T³ = distance: T = 0.1 s for 2 units. The peak is J·T² = 10 units/s.
+  // Four phases of T with 2·J·T³ = distance: T = 0.1 s for 2 units. The peak is J·T² = 10 units/s.
   const JerkProfile profile = plan_jerk_move({}, 2.0, kLimits, kJerk);
 
   ASSERT_EQ(profile.segment_count(), 3U) << "the two falls in the middle are one";
@@ -81,8 +81,8 @@ TEST(JerkProfile, HasAJerkForEachRamp) {
 }
 
 TEST(JerkProfile, MeetsAVelocityThatItsAccelerationForcesItOver) {
-  // 200 units/s² end after 0.2 s, at 95 + 200²/2000 = 115 units/s. From there down by 15 units/s:
-  // twice T with J·T² = 15.
+  // The acceleration ends after 0.2 s, at 95 + 200²/2000 = 115 units/s. From there down by 15
+  // units/s: two phases of T with J·T² = 15.
   const JerkProfile profile = plan_jerk_velocity({0.0, 95.0, 200.0}, 100.0, kLimits, kJerk);
 
   EXPECT_NEAR(profile.at(0.2).velocity, 115.0, 1.0e-11);
@@ -94,8 +94,8 @@ TEST(JerkProfile, MeetsAVelocityThatItsAccelerationForcesItOver) {
 }
 
 TEST(JerkProfile, StopsAnAxisThatSpeedsUpAfterTheRestOfItsAcceleration) {
-  // Up to 15 units/s in 0.1 s: 10·0.1 + 100·0.1²/2 - 1000·0.1³/6 = 4/3 units. Then twice T with
-  // J·T² = 15, over 15·T.
+  // Up to 15 units/s in 0.1 s: 10·0.1 + 100·0.1²/2 - 1000·0.1³/6 = 4/3 units. Then two phases of T
+  // with J·T² = 15, over 15·T.
   const JerkProfile profile = plan_jerk_stop({0.0, 10.0, 100.0}, 200.0, kJerk);
 
   const double brake = std::sqrt(15.0 / 1000.0);
@@ -106,8 +106,8 @@ TEST(JerkProfile, StopsAnAxisThatSpeedsUpAfterTheRestOfItsAcceleration) {
 }
 
 TEST(JerkProfile, ComesBackFromAnOvershootThatItCannotAvoid) {
-  // -200 units/s² end after 0.2 s, at 5 - 20 = -15 units/s, at 5·0.2 - 200·0.2²/2 + 1000·0.2³/6 =
-  // -5/3 units. The stop takes another 15·T.
+  // The acceleration ends after 0.2 s, at 5 - 20 = -15 units/s, at 5·0.2 - 200·0.2²/2 + 1000·0.2³/6
+  // = -5/3 units. The stop takes another 15·T.
   const MotionSample start{0.0, 5.0, -200.0};
   const double back = std::sqrt(15.0 / 1000.0);
   const double rest = -5.0 / 3.0 - 15.0 * back;
@@ -116,7 +116,7 @@ TEST(JerkProfile, ComesBackFromAnOvershootThatItCannotAvoid) {
   EXPECT_NEAR(stop.duration(), 0.2 + 2.0 * back, 1.0e-12);
   EXPECT_NEAR(stop.end_position(), rest, 1.0e-12);
 
-  // A target on the near side of that position is reached on the way back, without a rest there.
+  // A target on the near side of that position is reached on the way back, without stopping there.
   const JerkProfile move = plan_jerk_move(start, rest + 2.0, kLimits, kJerk);
   EXPECT_EQ(move.end_position(), rest + 2.0);
   EXPECT_GT(move.at(move.duration() - 0.05).velocity, 0.0);

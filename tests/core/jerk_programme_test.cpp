@@ -9,7 +9,7 @@
 // if no motion gets farther than its target in its duration.
 //
 // No motion of a programme violates a limit between the instants of the grid, so none may get
-// farther than the target. The grid contains the instants of the plan, so one of them gets as far.
+// farther than the target. The grid contains the instants of the plan, so one motion gets as far.
 // This is exact. Motions that do not fit the grid are bounded by weak duality with the prices
 // y >= 0 of the programme, whose rows bound α·v + β·a at an instant t to b. For any motion x, on a
 // grid or not, with jerk j(t),
@@ -432,7 +432,7 @@ std::vector<double> zeros_of(const JerkSegment& segment) {
 ///         bounds within the steps, too.
 std::vector<double> grid_of(const JerkProfile& plan, std::size_t steps) {
   constexpr double kSame = 1.0e-9;
-  // Near the rest at an end, a velocity is 0 but for rounding, so its root means nothing.
+  // Next to an end at rest the velocity is 0 up to rounding, so its zeros mean nothing.
   constexpr double kBesideAnEnd = 1.0e-6;
   constexpr double kUseless = 1.0e-3;
   const double end = plan.duration();
@@ -492,7 +492,8 @@ struct Judged {
   std::size_t unproven = 0;  ///< those that ended without a proof either way
 };
 
-/// No motion over the stretches of the plan gets farther in its time; the grid contains the plan.
+/// Expects that no motion over the stretches of the plan gets farther in the time of the plan,
+/// which fits the grid.
 void expect_the_farthest_of_its_pattern(const JudgedMove& m, Judged& sum) {
   constexpr std::size_t kSteps = 48;
   const MotionProgramme programme(m.start, m.limits, stretches_of(m, kSteps), m.direction);
@@ -508,7 +509,8 @@ void expect_the_farthest_of_its_pattern(const JudgedMove& m, Judged& sum) {
 /// Signs of velocity and ramp of successive stretches.
 using Pattern = std::vector<std::pair<double, double>>;
 
-/// Up to three alternating signs of the velocity; the first is that of the start, at rest either.
+/// Up to three alternating signs of the velocity. The first is that of the start; from rest it is
+/// either.
 std::vector<Pattern> patterns_of_signs(const MotionSample& start) {
   std::vector<Pattern> patterns;
   for (const double first : {1.0, -1.0}) {

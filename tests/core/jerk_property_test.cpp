@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Properties of random plans with limited jerk: a checker that knows only the limits, the durations
-// from an oracle in long double, and motions made of other sequences of jerks.
+// Random plans with limited jerk, checked against the limits alone, against the durations of an
+// oracle in long double, and against motions made of other sequences of jerks.
 #include "core/support/allocation_guard.hpp"
 #include "core/support/jerk_oracle.hpp"
 #include "support/random_cases.hpp"
@@ -153,7 +153,8 @@ double settled_speed(const MotionSample& state, const MotionJerk& jerk, double d
   return w <= until_rest ? v + w / jerk.deceleration : (w - until_rest) / jerk.acceleration;
 }
 
-/// The highest velocity in the direction that the start forces, whatever the plan is.
+/// @return the highest velocity that a plan may have in `direction`: the limit, or more if the
+///         start forces it.
 double forced_speed(const JerkCase& c, double direction) {
   const bool grows = direction * c.start.acceleration > 0.0;
   const double settled =
@@ -162,8 +163,8 @@ double forced_speed(const JerkCase& c, double direction) {
 }
 
 /// @return the direction, 1 or -1, that the motion must keep: the start does not go backwards, its
-///         acceleration ends before it would, and the target lies beyond the fastest stop. 0 if
-///         there is none.
+///         acceleration ends before the motion would turn, and the target lies beyond the fastest
+///         stop. 0 if there is no such direction.
 double kept_direction(const JerkCase& c, const JerkTolerance& slack) {
   const ExactPath stop = fastest_change(exact_start(c), 0.0L, c.limits, c.jerk);
   const double rest = c.start.position + static_cast<double>(stop.end().way);
@@ -384,8 +385,8 @@ void expect_the_same_time_from_its_middle(const JerkCase& c, const JerkProfile& 
       << c << " replanned at " << now;
 }
 
-/// A share of the random plans, each with random numbers of its own: a nightly run has more plans
-/// than one test may take.
+/// A share of the random plans, with its own random numbers: a nightly run has more plans than one
+/// test may take.
 class JerkPlans : public testing::TestWithParam<std::uint64_t> {
  protected:
   static constexpr std::uint64_t kShares = 16;
@@ -430,8 +431,8 @@ VelocityRange velocities_of_change(const JerkCase& c, double target, const JerkT
   return {lowest - slack.velocity, highest + slack.velocity};
 }
 
-/// @return the time that rounding may cost a change of velocity: at its end a jerk that takes back
-///         δ.
+/// @return the time that rounding may cost a change of velocity: at its end, that of a jerk which
+///         takes back the velocity error.
 double rounding_of_change(const JerkCase& c, double target, const JerkTolerance& slack,
                           const ExactPath& expected) {
   const auto settled = static_cast<double>(test::settled_velocity(exact_start(c), c.jerk));
@@ -577,7 +578,7 @@ TEST(JerkOracle, HasTheTimesThatAreWorkedByHand) {
   const ExactPath turn = fastest_change({.velocity = -100.0L}, 100.0L, limits, jerk);
   EXPECT_NEAR(static_cast<double>(turn.duration()), 0.05 + 1.975 + 0.15 + 0.30625 + 0.2, 1.0e-12);
 
-  // 200 units/s² lead from 95 to 115 units/s in 0.2 s; going down by 15 units/s takes twice
+  // 200 units/s² lead from 95 to 115 units/s in 0.2 s; going down by 15 units/s takes two phases of
   // √(15/1000) s.
   const ExactPath back =
       fastest_change({.velocity = 95.0L, .acceleration = 200.0L}, 100.0L,
@@ -587,7 +588,7 @@ TEST(JerkOracle, HasTheTimesThatAreWorkedByHand) {
   // The textbook case: 0.7 s and 35 units for each ramp, 30 units at 100 units/s.
   const MotionLimits equal{.velocity = 100.0, .acceleration = 200.0, .deceleration = 200.0};
   EXPECT_NEAR(static_cast<double>(test::fastest_move({}, 100.0L, equal, jerk)), 1.7, 1.0e-12);
-  // Four times T with 2·J·T³ = 2 units.
+  // Four phases of T with 2·J·T³ = 2 units.
   EXPECT_NEAR(static_cast<double>(test::fastest_move({}, -2.0L, equal, jerk)), 0.4, 1.0e-12);
 }
 
@@ -607,8 +608,8 @@ TEST(JerkProfileProperty, TakesTheTimeOfTheFastestPushAndStop) {
     const double highest = std::max(c.limits.acceleration, c.limits.deceleration);
     c.start.velocity = signed_unit(random) * c.limits.velocity * (random.one_in(4) ? 2.0 : 1.0);
     c.start.acceleration = signed_unit(random) * highest * (random.one_in(4) ? 2.0 : 1.0);
-    // Not closer: near the stop, a remaining δ counts with its cube root, and the position of rest
-    // is rounded.
+    // No target closer to the end of the stop: there an error counts with its cube root, and that
+    // end is rounded.
     const ExactState start = exact_start(c);
     const ExactPath stop = fastest_change(start, 0.0L, c.limits, c.jerk);
     const double beyond = (random.one_in(2) ? 1.0 : -1.0) * log_uniform(random, 1.0e-2, 1.0e5);
@@ -627,7 +628,7 @@ MotionSample after_a_detour(const JerkCase& c, const MotionSample& start, double
   return plan_jerk_velocity(start, velocity * c.limits.velocity, c.limits, c.jerk).at(time);
 }
 
-/// The same towards a velocity ahead in `direction`: the acceleration in it stays >= 0.
+/// The same towards a velocity ahead in `direction`: the acceleration in that direction stays >= 0.
 MotionSample after_a_hesitation(const JerkCase& c, const MotionSample& start, double direction,
                                 double time, Random& random) {
   const double settled = settled_speed(start, c.jerk, direction);
@@ -740,10 +741,10 @@ TEST(JerkProfileProperty, IsNotSlowerThanAnySequenceOfJerksBefore) {
   EXPECT_GE(jerks, cases);
 }
 
-// With different jerks this holds only for motions that never go backwards. Others may be earlier:
-// from rest, building up 1 unit/s² takes 1 s with 1 unit/s³. If speeds are reduced with 100
-// units/s³, moving backwards for 0.2 s (0.1 s down to -0.1 units/s² and as long back to 0: -0.01
-// units/s) and braking for √(2·0.01/100) s ends at rest with √(2·100·0.01) = 1.41 units/s².
+// With two jerks, a plan is the fastest only among motions that never go backwards. Others may be
+// earlier: from rest, building up 1 unit/s² takes 1 s with 1 unit/s³. If speeds are reduced with
+// 100 units/s³, moving backwards for 0.2 s (0.1 s down to -0.1 units/s² and as long back to 0:
+// -0.01 units/s) and braking for √(2·0.01/100) s ends at rest with √(2·100·0.01) = 1.41 units/s².
 TEST(JerkProfileProperty, IsNotSlowerThanAHesitationWithTwoJerks) {
   const auto cases = number_if_optimised<std::uint64_t>(
       {.usual = 50'000, .full = 500'000, .nightly = 20'000'000}, 3'000);

@@ -12,8 +12,8 @@ namespace vdrive {
 namespace {
 
 /// The sum of four uniformly distributed numbers: mean 0, root mean square 1, maximum √12. For
-/// 100,000 numbers the mean is within 6 of its standard deviations (0.0032), and so is the square
-/// (0.0041).
+/// 100,000 numbers the mean is within 6 of its standard deviations (0.0032), and so is the mean
+/// square (0.0041).
 TEST(LoadNoise, HasTheMeanTheRootMeanSquareAndTheLimitThatItPromises) {
   constexpr int kNumbers = 100'000;
   double sum = 0.0;

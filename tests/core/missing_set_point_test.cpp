@@ -117,7 +117,7 @@ TEST(MissingSetPoints, ThatAreReplacedNoLongerStopTheDemandInOneTick) {
   }
 }
 
-// The way back from 700 to 500, which the master still commands: 20 per tick.
+// The demand returns from 700 to 500, which the master still commands, by 20 per tick.
 TEST(MissingSetPoints, AreOverWithTheNextOneAlsoOfTheSameValue) {
   AxisUnderTest axis;
   axis.write("missing_set_points_extrapolated", 2);

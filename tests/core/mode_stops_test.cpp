@@ -115,7 +115,7 @@ class MovingAxis {
     }
   }
 
-  /// @return the loss of the demand's speed per tick, from the second tick of a stop on.
+  /// @return the decrease of |606Bh| per tick, from the second tick of a stop on.
   std::int32_t ramp() {
     run(2);
     const std::int32_t before = axis_.demand_velocity();
@@ -126,7 +126,7 @@ class MovingAxis {
   /// Checks the stop that has been commanded.
   void expect_stop(std::int32_t expected) {
     if (expected == kTorqueBack) {
-      // From the torque that friction needs at the speed limit; 606Bh is 0 if no velocity is
+      // The torque falls from what friction takes at the speed limit; 606Bh is 0 if no velocity is
       // commanded.
       run(10);
       EXPECT_EQ(axis_.status().torque_demand, 0);

@@ -599,8 +599,8 @@ class WalkModel {
   }
 
   /// Automatic transitions at the start of a tick. `may_end` and `must_end` tell, from the speeds
-  /// of the last tick, whether a stop may or must end. They differ by rounding; in between the
-  /// drive decides, as it shows after the tick.
+  /// of the last tick, whether a stop may or must end. They differ by rounding; if it may but need
+  /// not, the state that the drive shows after the tick decides.
   void begin_tick(bool may_end, bool must_end, PowerState shown, bool shown_power) {
     if (state_ == not_ready_to_switch_on) take(1, switch_on_disabled);
     const bool faulted = shown == fault_reaction_active && (shown_power || !voltage());
@@ -786,7 +786,7 @@ class Walk {
     write(kTarget, static_cast<std::int64_t>(random_.below(2'000'000)) - 1'000'000);
   }
 
-  /// Mostly words that lead somewhere, mostly to where there is something to stop; any word too.
+  /// Mostly words with an effect, most of them towards motion that can be stopped; sometimes any.
   void write_word() {
     static constexpr std::array<std::uint16_t, 24> kWords{
         0x0F, 0x1F, 0x3F,   0x0F, 0x3F, 0x0F, 0x1F, 0x3F, 0x0F,   0x3F,   0x7F,   0x0F,
@@ -800,8 +800,9 @@ class Walk {
   void step_and_compare() {
     const AxisStatus& s = axis_.status();
     const double before = std::abs(static_cast<double>(s.velocity_demand_value));
-    // Standstill as the sheet defines it: 606Bh = 0 and |606Ch| within 606Fh = 10, which a load may
-    // prevent for up to one second. 606Bh shows 0 half a unit early; 606Ch is rounded.
+    // The end of a stop (docs/explanation/decisions.md): 606Bh = 0 and |606Ch| within 606Fh = 10,
+    // which a load may prevent for up to one second. 606Bh shows 0 half a unit early; 606Ch is
+    // rounded.
     quiet_ticks_ = before == 0.0 ? quiet_ticks_ + 1 : 0;
     const int actual = std::abs(s.load_velocity_actual_value);
     const bool may_end = before == 0.0 && (actual <= 10 || quiet_ticks_ >= 1'000);
@@ -826,7 +827,7 @@ class Walk {
     model_.end_tick(std::abs(static_cast<double>(s.velocity_demand_value)), s.op_mode_actual);
   }
 
-  /// 606Bh on the ramp of the stop in force, with two roundings of half a unit.
+  /// Checks that 606Bh is on the ramp of the stop in force, with two roundings of half a unit.
   void compare_ramp() {
     const double before = model_.speed();
     const double ramp = model_.ramp();
@@ -857,7 +858,7 @@ void expect_every_option_exercised(const WalkCounts& counts) {
       SCOPED_TRACE(std::string(kOptions[i].name) + " = " + std::to_string(value));
       const auto at = static_cast<std::size_t>(value);
       EXPECT_GE(counts.event[i][at], 10U) << "times its event met the axis in motion";
-      // 0 disables immediately; 6007h has no ramp of its own.
+      // 0 disables immediately; 6007h has no ramp.
       const bool brakes = i != k6007 && value != 0;
       EXPECT_TRUE(!brakes || counts.braking[i][at] >= 50U)
           << counts.braking[i][at] << " ticks on its ramp";

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Profile position mode of a complete axis, from the manual and the behaviour sheet. Times: 1 ms
-// ticks; the tick of the command is tick 1. Statuswords are the manual's.
+// Profile position mode of a complete axis, from the manual and docs/explanation/decisions.md.
+// Ticks take 1 ms; the tick of the command is tick 1. Statuswords are the manual's.
 #include "core/support/axis_under_test.hpp"
 
 #include <gtest/gtest.h>

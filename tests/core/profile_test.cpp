@@ -393,8 +393,8 @@ void expect_replanning_changes_nothing(const Case& c, const Profile& profile, Ra
 
 // ---- independent minimum time: bisection over the reachable rest positions ---------------------
 
-/// Farthest position of rest in positive direction after `time` >= |v0|/d, from the definition of
-/// the limits; it grows monotonically with `time`.
+/// Farthest position in positive direction at which the axis can rest after `time` >= |v0|/d, from
+/// the definition of the limits; it grows monotonically with `time`.
 double farthest_rest(MotionState start, double time, const MotionLimits& limits) {
   const double a = limits.acceleration;
   const double d = limits.deceleration;
@@ -536,7 +536,7 @@ TEST(ProfileProperties, NoErrorGrowsWithTheLengthOfTheMove) {
   EXPECT_EQ(profile.at(profile.duration()).position, 2147483647.0);
 }
 
-// ---- the ends of every register, all with all --------------------------------------------------
+// ---- the ends of every register, in all combinations -------------------------------------------
 
 constexpr double kLowestRegister = -2147483648.0;
 constexpr double kHighestRegister = 2147483647.0;
@@ -615,7 +615,7 @@ struct AxisCase {
   std::int32_t to;
 };
 
-/// 6062h and 606Bh in every tick against the closed form that the registers define.
+/// Checks 6062h and 606Bh in every tick against the closed form that the registers define.
 void expect_demand_on_the_profile(const AxisCase& c, int ticks) {
   AxisConfiguration configuration;
   configuration.initial_position = c.from;
@@ -700,7 +700,8 @@ TEST(AxisDemand, OfRelativeMovesWrapsAtBothEndsOfTheRegister) {
 class LongRunningDrive {
  public:
   LongRunningDrive() {
-    // A power-up leaves the test bench objects unchanged: in 5E21h no switch has a position.
+    // A power-up does not set the test-bench objects: without their defaults, 5E21h would place
+    // switches at 0.
     for (std::size_t row = 0; row < kObjectTable.size(); ++row) {
       registers_.values[row] = kObjectTable[row].default_value;
     }

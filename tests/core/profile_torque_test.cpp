@@ -53,12 +53,12 @@ TEST(ProfileTorque, TheDemandRampsWithTheSlope6087h) {
   for (const int sign : {1, -1}) {
     AxisUnderTest axis;
     axis.write("test_blocked_load", 1);
-    axis.write("torque_slope", 8'000);  // 1 per mille in each of the 8 servo cycles of a tick
+    axis.write("torque_slope", 8'000);  // 1 per mille in each of the 8 sub-steps of a tick
     enable_profile_torque(axis);
     axis.write("target_torque", sign * 400);
     for (int tick = 1; tick <= 50; ++tick) {
       axis.step();
-      // 6074h is the command of the last servo cycle; the first one of the ramp commands 0.
+      // 6074h is the command of the last sub-step; the first one of the ramp commands 0.
       ASSERT_EQ(axis.status().torque_demand, sign * (8 * tick - 1)) << tick;
       ASSERT_FALSE(axis.reached());
     }
@@ -106,7 +106,7 @@ TEST(ProfileTorque, ConstantTorqueAcceleratesTheInertia) {
     axis.write("torque_slope", kAtOnce);
     enable_profile_torque(axis);
     axis.write("target_torque", sign * 100);
-    axis.step();  // the ramp: 0 to 7/8 of the torque in 8 servo cycles, 7/16 on average
+    axis.step();  // the ramp: 0 to 7/8 of the torque in 8 sub-steps, 7/16 on average
     for (int tick = 2; tick <= 300; ++tick) {
       axis.step();
       // 606Ch is the mean over the tick: the velocity half a tick before its end.

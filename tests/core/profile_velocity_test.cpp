@@ -49,7 +49,7 @@ void run_at(AxisUnderTest& axis, std::int32_t speed) {
   ASSERT_NEAR(axis.velocity(), speed, 100);
 }
 
-/// The demand loses `ramp`/1000 in each of the next ticks.
+/// Checks that 606Bh falls by `ramp`/1000 in each of the next ticks.
 void expect_ramp(AxisUnderTest& axis, std::int32_t from, std::int32_t ramp, int ticks) {
   const int sign = from < 0 ? -1 : 1;
   for (int tick = 1; tick <= ticks; ++tick) {
@@ -277,7 +277,7 @@ TEST(ProfileVelocity, Bit10ShowsTheSpeedInTheWindow606DhForTheTime606Eh) {
   for (int i = 0; i < 400; ++i) {
     axis.step();
     inside = std::abs(axis.velocity() - 30'000) <= 500 ? inside + 1 : 0;
-    // In the 31st tick it has lasted for longer than 30 ms.
+    // In the 31st tick the speed has been inside for longer than 30 ms.
     ASSERT_EQ(axis.reached(), inside > 30) << i;
     rose = rose || axis.reached();
   }

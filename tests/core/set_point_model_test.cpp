@@ -1,10 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 // The set-point handshake of a complete axis against a reference model, tick by tick over random
 // command sequences: several words in a tick, buffering, halts, mode switches, disables and faults
-// in between. The model is written from sections 2.1 to 2.10 of the behaviour sheet. From the drive
-// it takes only the actual position and speed (6064h, 606Ch) and the planner, which has tests of
-// its own. A failing sequence is shrunk and printed as a file that `vdrive run` accepts in
-// lock-step.
+// in between. The model is written from the specification. From the drive it takes only the actual
+// position and speed (6064h, 606Ch) and the planner, which has its own tests. A failing sequence is
+// shrunk and printed as a file that `vdrive run` accepts in lock-step.
 #include "core/support/set_point_model.hpp"
 
 #include "core/support/set_point_sequences.hpp"

@@ -89,7 +89,7 @@ TEST(StandingTargets, OfZeroLetAnAxisRestThatGetsItsPower) {
   }
 }
 
-/// A mode whose standing target starts a motion at once, and the bits of 6040h that it needs.
+/// A mode whose standing target starts a motion immediately, and the bits of 6040h that it needs.
 struct FollowingMode {
   OperatingMode mode;
   std::uint16_t bits;
@@ -97,7 +97,7 @@ struct FollowingMode {
 
 class StandingTarget : public testing::TestWithParam<FollowingMode> {};
 
-// This is correct for a drive; the program that writes the words must know it.
+// This is correct for a drive; the program that writes the controlwords must allow for it.
 TEST_P(StandingTarget, ThatWasLeftMovesAnAxisThatGetsItsPower) {
   LeftDrive left(GetParam().mode);
   left.enable(GetParam().bits);

@@ -89,7 +89,7 @@ class Group {
 };
 
 /// Largest distance of the demands from the straight line between starts and targets; the axis with
-/// the longest way gives the point on the line.
+/// the longest distance to travel gives the point on the line.
 double deviation(const Group& group, const std::vector<std::int32_t>& starts,
                  const std::vector<std::int32_t>& targets) {
   std::size_t longest = 0;
@@ -148,7 +148,7 @@ TEST(SynchronousMove, KeepsItsStraightLineWithinAUnitAndArrivesInOneTick) {
       const Times times{triangle + extra, triangle / 2, triangle / 2};
       group.start(targets, times, 0x3F);  // the axes may still lag from the previous move
 
-      // At rest again in the tick that completes the duration: all of them, and not earlier.
+      // All axes are at rest on their targets in the tick that completes the duration.
       const std::uint32_t ticks = (times.duration_us + 999) / 1000;
       for (std::uint32_t tick = 1; tick < ticks; ++tick) {
         group.bank().step();
@@ -212,9 +212,9 @@ class TurningLine {
 };
 
 TEST(SynchronousMove, WithAReferenceWayStartsInMotionAndKeepsItsStraightLineWithinAUnit) {
-  // In multiples of the direction: at most 20000 /s, and 50000 /s if the acceleration must end
-  // first; braking with at least 1e5 /s² for half a second, 20000 too far, and back at 9000 /s in 2
-  // s.
+  // In multiples of the direction the speed is at most 20000 /s, or 50000 /s if an acceleration
+  // must end first. Braking with at least 1e5 /s² then takes half a second and goes 20000 too far;
+  // the way back at 9000 /s takes 2 s.
   constexpr int kLongest = 10'000;        // ticks
   constexpr double kUnit = 1.0 + 1.0e-6;  // includes the last bits of the line
   for (int run = 0; run < kMovesOfABank; ++run) {
@@ -234,7 +234,7 @@ TEST(SynchronousMove, WithAReferenceWayStartsInMotionAndKeepsItsStraightLineWith
     const std::uint32_t turn = line.uniform(1, first.duration_us / 1'000 - 1);
     for (std::uint32_t tick = 0; tick < turn; ++tick) group.bank().step();
 
-    // Further on, a stop before the end, inside the stopping distance, or back.
+    // Targets farther on, short of the first end, inside the stopping distance, or behind.
     const std::vector<std::int32_t> targets = direction.at(multiple(0, 6'000) - 2'000);
     line.start(targets, line.any_times(), direction.at(multiple(1'500, 2'000)));
     std::vector<int> arrivals(2, 0);
@@ -256,7 +256,7 @@ TEST(SynchronousMove, WithAReferenceWayStartsInMotionAndKeepsItsStraightLineWith
   }
 }
 
-/// Two axes, 3:1, whose bit 10 does not wait for the window time.
+/// Two axes whose bit 10 does not wait for the window time.
 class TwoAxes : public testing::Test {
  protected:
   TwoAxes() {
@@ -343,7 +343,7 @@ TEST_F(TwoAxes, TheTimesAreLatchedWithTheSetPoint) {
   EXPECT_EQ(group.bank().status(0).velocity_demand_value, 0);
 }
 
-/// A set-point that cannot be kept is not acknowledged; it is counted and moves nothing.
+/// A set-point whose times cannot be kept is not acknowledged; it is counted and moves nothing.
 TEST_F(TwoAxes, TimesBeyondTheLimitsAreNotAccepted) {
   struct Row {
     const char* what;

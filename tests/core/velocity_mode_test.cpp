@@ -33,7 +33,7 @@ void set_vl_ramps(AxisUnderTest& axis) {
   axis.write("app_dec_limit", 800'000);
 }
 
-/// Loss of the demand in ten ticks for an option code of 605Ah, 605Dh or 605Eh.
+/// Decrease of 606Bh in ten ticks by an option of 605Ah, 605Dh or 605Eh.
 std::int32_t loss_by_option(std::int64_t option) {
   constexpr std::array<std::int32_t, 5> kLosses{0, 2'048, 4'096, 8'000, 8'000};
   return kLosses.at(static_cast<std::size_t>(option));
@@ -232,7 +232,7 @@ TEST(VelocityMode, ObjectsOfFrequencyConvertersDoNotExist) {
 struct RampBits {
   const char* name;
   std::uint16_t word;
-  std::int32_t loss;  // of the demand in ten ticks
+  std::int32_t loss;  // of 606Bh in ten ticks
 };
 
 class VelocityRampBits : public testing::TestWithParam<RampBits> {};
@@ -426,7 +426,7 @@ TEST(VelocityMode, Bit10ShowsTheInputOfTheRampIn606DhFor606Eh) {
   for (int i = 0; i < 600; ++i) {
     axis.step();
     inside = std::abs(axis.velocity() - kSpeedOf300) <= 500 ? inside + 1 : 0;
-    // In the 31st tick it has lasted for longer than 30 ms.
+    // In the 31st tick the speed has been inside for longer than 30 ms.
     ASSERT_EQ(axis.reached(), inside > 30) << i;
     rose = rose || axis.reached();
   }

@@ -7,7 +7,7 @@
 #   tests/coverage/run.sh
 #
 # Prints a row for each file; build/asan/coverage/report/index.html shows the uncovered lines. A
-# branch is a condition in the source that is true, or that is false, or a case of a switch. A
+# branch is one outcome of a condition in the source, true or false, or one case of a switch. A
 # constant condition has none.
 # Exit code 0: promise kept; 1: below it, a test failed, or nothing could be measured; 77:
 # tests/run.sh had no time for this preset.

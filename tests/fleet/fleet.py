@@ -145,8 +145,7 @@ class Master:
                 and axis in (None, x["axis"])]
 
     def failures(self, since):
-        """Calls that failed. Late ones and those that timed out are due to a busy machine, see
-        late()."""
+        """Calls that failed, except those of late(), which are due to a busy machine."""
         return [x for x in self.lines(since) if x.get("outcome", "ok") not in ("ok", *self.LATE)]
 
     LATE = ("refused", "timed_out")
@@ -429,7 +428,7 @@ class Fleet:
         self.expect_no_unowned_motion(begin)
 
     def expect_versions(self, versions):
-        """The list names pod and version of each bench."""
+        """Waits until `list` names the pod and the version of each bench."""
         def are_listed():
             lines = self.tool("list", code=None).splitlines()
             return all(any(line.startswith(f"bench {number} ") and
@@ -438,8 +437,8 @@ class Fleet:
         hosts.wait_for(f"list with the versions {versions}", are_listed, PATIENCE)
 
     def lose_server(self):
-        """Participants that have found each other continue; a bench that starts meanwhile is found
-        later."""
+        """Participants that have found each other continue; a bench that starts without the server is
+        found when it is back."""
         before = self.podman.address("vdrive-discovery-0")
         begin = time.monotonic()
         os.kill(self.podman.process("vdrive-discovery-0"), 9)

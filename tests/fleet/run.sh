@@ -4,20 +4,20 @@
 #
 #   tests/fleet/run.sh [--images DIR] [--client FILE] [--next VDRIVED] [--keep] [--nightly]
 #
-#   --images DIR     of deploy/image.sh; default: made from build/packages, which is built if
+#   --images DIR     made by deploy/image.sh; default: made from build/packages, which is built if
 #                    missing
 #   --client FILE    the masters' program network_client; default: that of a build with tests
 #   --next VDRIVED   a program of another version, to which the benches are upgraded; default: the
-#                    same under another name of the image
+#                    same one in an image with another name
 #   --keep           leaves the pods of a failed run, and prints how to inspect them
 #   --nightly        skips unless VDRIVE_NIGHTLY=1
 #
-# The pods are those of deploy/kubernetes/bench/lab, with an address each and without multicast. A
-# group moves over three benches. A pod is killed in motion; all benches are upgraded one by one
+# The pods are those of deploy/kubernetes/bench/lab, each with an address, and without multicast. A
+# group moves axes of three benches. A pod is killed in motion; all benches are upgraded one by one
 # while a master uses the others; the discovery server is killed and returns with another address;
 # a node's worth of pods is drained, and lost; mistakes are made; two benches run in closed mode.
 # Prints each step and its duration, and finally the figures as a table. Needs deploy/setup.sh
-# --tests --judges --images and root. Takes five minutes. Exit code 0: passed; 77: no pods possible.
+# --tests --judges --images and root. Takes five minutes. Exit code 0: passed; 77: this machine cannot run pods.
 set -euo pipefail
 
 root=$(cd "$(dirname "${BASH_SOURCE[0]}")/../.." && pwd)

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Any bytes are a recording or refused with a sentence, and the content of an MCAP or text
+// Any bytes are either a recording or refused with a sentence, and the content of an MCAP or text
 // recording can be written and is the same when read again.
 #include "fuzz/support/bytes.hpp"
 #include "mcap_recording.hpp"

@@ -6,8 +6,8 @@
 #   tests/fuzz/run.sh [--seconds N] [--kept] [--keep] [fuzzer...]
 #
 #   --seconds N   how long each fuzzer searches for new inputs, default 6; 300 with VDRIVE_NIGHTLY=1
-#   --kept        no new inputs, in the preset asan, which has no guidance for a search; with
-#                 VDRIVE_NIGHTLY=1 it searches nevertheless
+#   --kept        run only the kept inputs, in the preset asan, which cannot guide a search; with
+#                 VDRIVE_NIGHTLY=1 search for new ones all the same
 #   --keep        rebuild the kept corpus, tests/fuzz/corpus: the smallest set of the inputs found
 #                 so far that reaches all the code that any of them reaches, and the files named
 #                 fixed-...: inputs that once failed

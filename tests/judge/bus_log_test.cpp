@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Bus logs: what the reader makes of their lines; a truncated, foreign or mutated line is counted.
+// How bus logs are read: what each kind of line is, and that truncated, foreign and mutated lines
+// are counted.
 #include "log/bus_log.hpp"
 
 #include "judge/axis_track.hpp"
@@ -126,7 +127,7 @@ std::string without_sdo(const std::string& log) {
   return rest;
 }
 
-/// Two edges with no look at bit 12 between them, by a PDO with 6040h and 607Ah.
+/// Two edges of bit 4 without a look at bit 12 between them, by a PDO with 6040h and 607Ah.
 std::string remapped_log() {
   LoggedNode node;
   node.map(1, {kMapWord, kMapTarget});
@@ -190,7 +191,7 @@ TEST(DataSheet, IsNoneWithoutASectionOfAnObject) {
 
 // ---- the lines of a log ------------------------------------------------------------------------
 
-/// One frame, 5.25 s, 123h with 0011h, in each format.
+/// One frame in each format: 123h with 0011h, at 5.25 s.
 struct LineCase {
   const char* text;
   LineKind kind;

@@ -28,7 +28,7 @@ using testing::Contains;
 using testing::ElementsAre;
 using testing::IsEmpty;
 
-/// The times of `log`, shifted by `shift`.
+/// @return `log` with its times shifted by `shift`.
 std::string later(const std::string& log, std::chrono::milliseconds shift) {
   constexpr std::size_t kMilliseconds = 15;  // "(0000000001.002" of "(0000000001.002300)"
   std::string text;
@@ -59,8 +59,8 @@ TEST(ALogWhoseClockGoesBackOnce, IsJudgedByTheTimesAfterwards) {
   EXPECT_GT(result.verdict.last - result.verdict.first, 200ms);
 }
 
-/// Two edges of bit 4 with no look at bit 12 between them; before the second one the clock is set
-/// back.
+/// Two edges of bit 4 without a look at bit 12 between them. Before the second edge, the clock goes
+/// back by `step`.
 LogVerdict mistake_over_a_step_back(std::chrono::milliseconds step) {
   LoggedNode node;
   node.enable(kProfilePosition);

@@ -40,7 +40,7 @@ class JudgedDrive {
   explicit JudgedDrive(const TestSource& source = {}, const AxisConfiguration& configuration = {},
                        std::uint32_t number = 1);
 
-  /// One drive among others of a judge, which must outlive it.
+  /// One of several drives of a judge, which must outlive it.
   JudgedDrive(Judge& judge, const TestSource& source, const AxisConfiguration& configuration,
               std::uint32_t number);
 

@@ -97,8 +97,8 @@ void write(Axis& axis, ObjectAddress object, std::int64_t value) {
   ASSERT_TRUE(axis.write(object, value));
 }
 
-/// Our client sends all words up to Operation enabled and only then looks at the state: a drive of
-/// vdrive takes each word when it is written, and for one that does not, the client waits.
+/// The client library sends all words up to Operation enabled before it looks at the state: a drive
+/// of vdrive takes each word when it is written, and for a drive that does not, the client waits.
 const std::vector<std::string> kOfTheClient{"state-2"};
 
 /// @return `rules` without the one that only the end of a run can break: the axis is left enabled.
@@ -138,7 +138,7 @@ TEST(ABenchThatRuns, TellsThatBit4StayedUpWhileItRuns) {
   EXPECT_THAT(bench.live(), Contains("handshake-2"));
 }
 
-// The judge started when the axis was already enabled: the word 001Fh is an edge against 000Fh.
+// The axis is already enabled when the judge starts: the word 001Fh is an edge after 000Fh.
 TEST(ABenchThatRuns, IsKnownWithTheWordThatStoodBefore) {
   JudgedBench bench;
   Axis axis = bench.axis();

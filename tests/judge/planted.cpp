@@ -111,7 +111,7 @@ Names enabling_with_bit_4(bool has_bit_4) {
   return drive.findings();
 }
 
-/// A new target every 10 ms, for which the master needs `cycles_of_an_edge` cycles.
+/// A new target every 10 ms, but an edge of bit 4 only every `cycles_of_an_edge` targets.
 Names stream_by_handshake(std::uint32_t cycles_of_an_edge) {
   JudgedDrive drive;
   drive.enable(kProfilePosition);
@@ -461,7 +461,7 @@ class Stream {
     }
   }
 
-  /// From one speed to another, then `times` ticks at the second.
+  /// Ramps from one speed to another, then keeps that for `times` ticks.
   void ramp(std::int32_t from, std::int32_t to, int times) {
     for (std::int32_t speed = from; speed != to; speed += to > from ? 1 : -1) go(speed, 1);
     go(to, times);
@@ -491,7 +491,7 @@ Names regular_stream() {
   });
 }
 
-/// Its ramps reach 40 units per millisecond after 60 ms: 667,000 units/s².
+/// The ramps add 1 unit per millisecond in each millisecond: 1,000,000 units/s².
 Names stream_with_acceleration(std::int64_t limit) {
   JudgedDrive drive;
   drive.write(objects::kAccelerationLimit, limit);
@@ -548,7 +548,7 @@ Names stream_from(std::int32_t begin) {
   return drive.findings();
 }
 
-/// 2,000 units/s: blocked for 1.5 s, the axis is 3,000 behind.
+/// At 2,000 units/s: the axis, blocked for 1.5 s, lags by 3,000 units.
 Names move_within_window(bool is_blocked) {
   JudgedDrive drive;
   drive.write(objects::kFollowingWindow, 5'000);

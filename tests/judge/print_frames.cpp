@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Prints for each frame of a log, one line each, what the judge's decoder makes of it: kind and
-// node. The tests compare this with the output of a third-party program for the same frames.
+// Prints a line for each frame of a log: the kind and the node that the judge's decoder finds. The
+// tests compare this with the output of a third-party program for the same frames.
 #include "log/bus_log.hpp"
 
 #include <fstream>

@@ -56,7 +56,7 @@ class Script {
 
   void position(std::int32_t at) { put(Shown{.members = ShownMember::kPosition, .position = at}); }
 
-  /// In Operation enabled, and in this mode for a long time.
+  /// Begins in Operation enabled, after a long time in this mode.
   void begin(std::int8_t in_mode) {
     mode(in_mode);
     status(kShownSwitchedOn);

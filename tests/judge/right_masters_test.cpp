@@ -130,7 +130,7 @@ void run_handshake(JudgedDrive& drive, Random& random) {
         (random.per_mille(300) ? Controlword::kRelative : std::uint16_t{0});
     switch (random.below(6)) {
       case 0:
-        drive.set_point(draw_target(random), bits);  // the next one follows at once
+        drive.set_point(draw_target(random), bits);  // the next one follows immediately
         break;
       case 1:
         halt_and_resume(drive, random);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Each rule finds the master that breaks it, and no other rule does; a correct master has no
-// finding.
+// A planted mistake is found by its rule and the others that it breaks, and by no more; a correct
+// master has no finding.
 #include "judge/planted.hpp"
 
 #include <gmock/gmock.h>

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The log of the guide "find the bug in this master" is what this master does to the drive of the
-// core, and the judge finds its mistakes.
+// The log of the guide "find the bug in this master" is the one that this master makes with the
+// drive of the core, and the judge finds its mistakes.
 #include "judge/judged_log.hpp"
 #include "judge/logged_node.hpp"
 

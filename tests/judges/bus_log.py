@@ -64,8 +64,7 @@ def any_frames(count):
         # tshark describes a frame of NMT error control by its content, so it needs at least one
         # byte.
         least = 1 if identifier & 0x780 == 0x700 else 0
-        # Zeros, since a PDO configured on the way would have identifiers that tshark does not
-        # learn.
+        # Zeros: with other data, an SDO could configure PDOs with identifiers that tshark does not learn of.
         yield identifier, bytes(numbers.randint(least, 8))
 
 

@@ -125,9 +125,9 @@ TEST(ByteRing, UsesFewPagesWhileItsReaderKeepsUp) {
   EXPECT_LE(std::distance(touched, memory.words.rend()) * 8, 64 * 1024 + 1'024);
 }
 
-// The consumer stands still while the producer fills the ring, which was last empty at any of
-// several positions. A record takes 1,032 bytes with its head, so 1,016 fit into 1 MiB (1,048,576
-// bytes), less one that may not fit before the end of the memory.
+// The producer fills the ring while the consumer takes nothing, from several positions. A record
+// takes 1,032 bytes with its head, so 1,016 fit into 1 MiB (1,048,576 bytes), less one that may not
+// fit before the end of the memory.
 TEST(ByteRing, HasItsWholeCapacityFromAnyPosition) {
   constexpr std::size_t kRecord = 1'032;
   constexpr std::size_t kFit = (std::size_t{1} << 20U) / kRecord - 1;

@@ -282,7 +282,7 @@ TEST(CommandFrame, WithAllOrNothingKeepsTheErrorHistoryWhenOneIsRefused) {
 }
 
 // 607Bh decides which values of 60F2h are valid, and 5E20h:05 which of 6060h. All writes of such a
-// frame are judged before any is made, so one of these would be judged by the old value.
+// frame are judged before any is made, so 60F2h or 6060h would be judged by the old value.
 TEST(CommandFrame, WithAllOrNothingRefusesObjectsThatDecideOnOthers) {
   OwnedBench bench;
   for (const ObjectAddress address :

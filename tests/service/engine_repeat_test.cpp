@@ -182,7 +182,7 @@ TEST(RepeatedRequest, WithAnOldIncarnationIsNotARepetition) {
   EXPECT_EQ(bench.value(1, kWindow), 50);
 }
 
-// Several threads of a program may send their requests in another order than they numbered them.
+// Threads of a program may send their requests in a different order from their numbers.
 TEST(RepeatedRequest, IsDistinguishedFromAnOvertakenRequest) {
   EngineUnderTest bench;
   auto late = bench.make_request(msg::RequestKind::write, kAlice);

@@ -170,7 +170,7 @@ struct MovingAxis : EngineUnderTest {
 
   [[nodiscard]] std::int64_t state() { return value(1, 0x6041) & kStateBits; }
 
-  /// Lets Bob's write be refused. @return the owner that the refusal names.
+  /// Has a write by Bob refused. @return the owner that the refusal names.
   [[nodiscard]] std::uint64_t owner() { return write(kBob, 1, 0x6081, 5).owner_session; }
 };
 
@@ -395,7 +395,7 @@ TEST(Request, OfAnUnknownKindOrIncarnationIsRefused) {
             msg::Reason::nothing_done);
 }
 
-/// @return the reason for which a request of this kind is refused in this clock mode.
+/// @return why a request of this kind is refused in this clock mode.
 msg::Reason refusal_of_request(const wire::RequestKindRow& row, service::ClockMode mode) {
   switch (row.clock) {
     case wire::RequestClock::lockstep:

@@ -26,7 +26,7 @@ TEST(EventLimiter, CountsEqualEventsThatItLeavesOut) {
   for (std::uint32_t count = 0; count < kOffered; ++count) {
     limiter.offer({.kind = msg::EventKind::refused, .code = 3}, 1ms * count / 10, passed);
   }
-  // The burst. At 20 events per second, none becomes due in the 49 ms of the offers.
+  // Only the burst passes. At 20 events per second, none becomes due in the 49 ms of the offers.
   EXPECT_EQ(passed.size(), 20U);
   limiter.flush(2s, passed);
   const std::uint32_t suppressed =

@@ -14,7 +14,7 @@
 
 namespace vdrive::test {
 
-/// A plan of the failures of a test's file operations.
+/// Plans which file operations of a test fail.
 struct FilePlan {
   /// Called before each operation with its number, from 1. If it throws, the operation fails with
   /// that exception.
@@ -40,7 +40,7 @@ struct FilePlan {
 /// of the process.
 class FailingFiles final : public service::FileOperations {
  public:
-  /// @param plan outlives this object
+  /// @param plan must outlive this object
   explicit FailingFiles(FilePlan& plan) : plan_(plan) {}
 
   void make_directory(const std::filesystem::path& directory) override {

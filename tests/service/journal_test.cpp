@@ -585,7 +585,7 @@ TEST(DamagedJournal, WithAForgedLengthIsRefusedWithoutItsAllocation) {
   EXPECT_THAT(failure_of(file), HasSubstr("byte 0: a text of 4294967280 bytes is incomplete"));
 }
 
-// A snapshot of many axes could have 200 MiB, but this file is shorter, so it is truncated.
+// A snapshot of many axes could be 200 MiB long, but this file is shorter, so it is truncated.
 TEST(DamagedJournal, AllocatesNothingForAChunkBeyondTheFile) {
   const JournalFile file;
   record_move(file);
@@ -621,7 +621,7 @@ TEST(DamagedJournal, RefusesUnknownContent) {
   EXPECT_THAT(failure_of(file), HasSubstr("unknown cause of a snapshot: 4"));
 }
 
-// In journals of open benches the credential directory is empty.
+// Older versions wrote the empty credential directory of an open bench.
 TEST(Replay, AcceptsOlderJournalsWithAnEmptyDirectory) {
   const JournalFile file;
   record_move(file);

@@ -271,7 +271,8 @@ TEST(Mechanics, AreAdvisedWhereAUserUnitIsSaidToBeADecimalPartOfALength) {
                           "use mechanics: {screw: {pitch: 4096um}} with its lead instead of unit"));
   EXPECT_THAT(warnings_of_axis("unit: {kind: linear, name: mm, per_unit: 1000}"),
               ElementsAre(HasSubstr("that is a lead of 4.096 mm; ")));
-  // A hundredth of a millimetre; with one encoder behind 10:1 a turn of the load has 40960 UU.
+  // A hundredth of a millimetre. With one encoder, on the motor's side of a gear of 10:1, a turn of
+  // the load has 40960 UU.
   EXPECT_THAT(warnings_of_axis("unit: {kind: linear, name: mm, per_unit: 100}, model: {feedback: "
                                "single_encoder}, parameters: {gear_ratio_denominator: 10}"),
               ElementsAre(HasSubstr("{screw: {pitch: 409.6mm}}")));

@@ -62,7 +62,7 @@ class MetricsTest : public testing::Test {
                  }}};
   }
 
-  /// To be set before a request that reads them.
+  /// Set these before a request that reads them.
   ProbeAnswer alive_{.is_good = true, .text = "bench 4 is alive"};
   ProbeAnswer ready_{.is_good = false, .text = "bench 4 has no network"};
   MetricsEndpoint sut_ = endpoint("127.0.0.1", 0);

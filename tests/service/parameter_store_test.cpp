@@ -171,7 +171,7 @@ class StateDirectory : public testing::Test {
                                             std::make_unique<FailingFiles>(plan));
   }
 
-  /// Saves as a service would that runs and ends. @return the parameters loaded before.
+  /// Saves as a service that runs and ends. @return the parameters loaded before.
   LoadedParameters save(std::int64_t generation) {
     const auto store = open();
     LoadedParameters loaded = store->load();

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The axes of deploy/axes: each is good, has the units, speeds and ramps that
-// docs/reference/presets.md says, moves without ringing and settles within 5 ms.
+// The axes of deploy/axes: each is valid, has the units, speeds and ramps of
+// docs/reference/presets.md, moves without ringing and settles within 5 ms.
 #include "configuration/presets.hpp"
 
 #include "configuration/configuration_file.hpp"

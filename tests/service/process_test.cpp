@@ -195,7 +195,7 @@ TEST(ServiceProcess, PublishesTheFirstStatusOfAThousandAxesWithinASecond) {
   ASSERT_TRUE(probe.wait_until([&] {
     return probe.seen_status().has_value();
   }));
-  // A benchmark checks the budget; this bound only catches a blunder on a loaded machine.
+  // A benchmark checks the budget; this bound only catches gross delays, on a loaded machine, too.
   EXPECT_LT(Clock::now() - begin, 3s);
   EXPECT_EQ(probe.status()->parts, 4U);
 }
@@ -369,8 +369,8 @@ TEST(ServiceProcess, SuggestsTheNearestValueOfAnOption) {
   EXPECT_NE(level.text().find("(did you mean 'debug'?)"), std::string::npos) << level.text();
 }
 
-// A replay takes its number of threads from the command line, and must not end with 1 if it is out
-// of range.
+// A replay takes its number of threads from the command line. If that is out of range, the exit
+// code must not be 1, which means that a tick differs or is missing.
 TEST(ServiceProcess, ChecksOptionsEvenIfTheyAreNotUsed) {
   for (const char* const mode : {"--replay", "--check"}) {
     for (const char* const threads : {"0", "65"}) {

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// A thousand axes killed again and again: 8 rounds, and more with more effort (support/effort.hpp).
+// A service of a thousand axes is killed again and again: 8 rounds, more with more effort
+// (support/effort.hpp).
 #include "service/probe.hpp"
 #include "support/effort.hpp"
 #include "support/process_tree.hpp"

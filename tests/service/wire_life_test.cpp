@@ -444,8 +444,7 @@ TEST(Engine, EndsAWireThatLeaks) {
   EXPECT_TRUE(Probe(test_domain()).find_bench()) << "and the next wire discovers";
 }
 
-// Before each client had its own limit, 1,024 waiting answers were the limit for all clients
-// together.
+// Each client has its own limit of waiting answers. The hanging programs would use up a common one.
 TEST(Engine, AnswersOtherClientsWhileEightProgramsHang) {
   constexpr std::uint64_t kRequests = 3'000;
   Bench bench({"--axes", "2"});

@@ -152,7 +152,8 @@ void Bench::save() {
                                           : StoreModel::Outcome::refused);
 }
 
-/// Checks the number of orders that the engine has taken back; it must do so in small groups.
+/// Checks how many orders the engine has taken back. While it can answer, it must take back saved
+/// ones within a few cycles.
 void Bench::take_back_stores() {
   constexpr std::uint64_t kMostIdle = 3;
   if (!saver_) return;
@@ -439,7 +440,7 @@ bool Bench::spoil(const ClientMessage& message) {
   return true;
 }
 
-/// Changes in the image the first axis that is in the required state.
+/// Changes the first axis of the image that is in the required state.
 void Bench::spoil(service::StatusImage& image) {
   for (std::size_t axis = 0; axis < image.status.size(); ++axis) {
     AxisStatus& status = image.status[axis];

@@ -49,7 +49,7 @@ bool is_test_input(std::uint16_t index) {
   return index >= 0x5E00 && index <= 0x5E0A;
 }
 
-/// The requests of the actors get one of these reasons.
+/// @return the reason that an actor gets for writing this value, if it may write at all.
 msg::Reason verdict(ObjectAddress address, std::int64_t value, bool is_modulo) {
   constexpr std::int64_t kHighestOption = 2;  // of 60F2h on an axis without a range
   switch (address.index) {
@@ -328,7 +328,7 @@ bool ControlModel::is_waiting(const msg::CommandFrame& frame) const {
   });
 }
 
-/// The first answer is known only after it has been checked.
+/// A repeat gets the first answer again; kept_of() finds that answer once it has been checked.
 bool ControlModel::is_repeat(const msg::CommandFrame& frame) {
   Numbers& numbers = frames_[frame.session];
   const std::uint64_t number = frame.sequence_number;

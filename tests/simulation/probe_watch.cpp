@@ -62,7 +62,7 @@ void ProbeWatch::check(const Look& now, std::uint64_t ticks, Happenings& happeni
   has_last_ = true;
 }
 
-/// Bits 0 and 8 of 60B9h are those of 60B8h; an edge is stored where it is sampled.
+/// Bits 0 and 8 of 60B9h are those of 60B8h; only an edge that 60B8h samples can be stored.
 void ProbeWatch::check_status(const Look& now, Happenings& happenings) const {
   constexpr unsigned kEnabled = 0x0101;
   const unsigned possible = possible_status(now.function);
@@ -72,8 +72,8 @@ void ProbeWatch::check_status(const Look& now, Happenings& happenings) const {
   }
 }
 
-/// A latched position must be one that 6064h can have shown. So is 0, the value before anything is
-/// latched.
+/// A latched position must be one that 6064h can have shown. 0, the value before anything is
+/// latched, is one, too.
 void ProbeWatch::check_positions(const Look& now, Happenings& happenings) const {
   if (limits_.range_span == 0) return;
   for (const std::int64_t position : now.positions) {

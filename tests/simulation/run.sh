@@ -8,8 +8,8 @@
 #
 #   --seeds N   play the seeds 1 to N
 #
-# Prints for each seed that fails the command that plays it again up to the same tick, and at the
-# end how much faster than real time it ran. Exit code 0: no seed failed and it was at least 200
+# For each seed that fails, prints the command that plays it again up to the same tick; at the end,
+# prints how much faster than real time the seeds ran. Exit code 0: no seed failed and it was at least 200
 # times faster than real time; 1: a seed failed; 3: too slow (the machine may be busy).
 set -euo pipefail
 

@@ -13,7 +13,7 @@ namespace vdrive::simulation {
 
 /// The scope of a run.
 enum class Play : std::uint8_t {
-  everything,  ///< two masters, helpers of the bench, all disturbances; clock by the seed
+  everything,  ///< two masters, all disturbances; clock by the seed
   fight,       ///< two masters that keep taking the axes from each other, and a bad network
 };
 

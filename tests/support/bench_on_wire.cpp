@@ -16,7 +16,7 @@
 namespace vdrive::test {
 namespace {
 
-/// Makes a bench in this process as vdrived would from these arguments.
+/// @return options for a bench in this process that match these arguments of vdrived.
 bench::BenchOptions options_of(const std::string& words) {
   bench::BenchOptions options;
   std::string clock;  // a key of the configuration
@@ -59,7 +59,7 @@ bench::BenchOptions options_of(const std::string& words) {
 }  // namespace
 
 bool runs_over_dds() {
-  // NOLINTNEXTLINE(concurrency-mt-unsafe): nothing writes it
+  // NOLINTNEXTLINE(concurrency-mt-unsafe): no thread changes the environment
   const char* const wire = std::getenv("VDRIVE_TEST_WIRE");
   if (wire == nullptr || wire == std::string_view("local")) return false;
   if (wire == std::string_view("dds")) return true;
@@ -79,7 +79,7 @@ client::SessionOptions options_on_wire() {
   return options;
 }
 
-/// One of the two.
+/// The bench: in this process, or as a service.
 class BenchOnWire::Parts {
  public:
   explicit Parts(const std::string& words) {

@@ -8,9 +8,8 @@
 
 namespace vdrive::test {
 
-/// For tests that are the same over both wires. They run over the local bus of their process, or
-/// over DDS if VDRIVE_TEST_WIRE=dds is in the environment (vdrive_run_over_dds in
-/// tests/CMakeLists.txt).
+/// For tests that run unchanged over either wire: over the local bus of their process, or over DDS
+/// if VDRIVE_TEST_WIRE=dds is in the environment (vdrive_run_over_dds in tests/CMakeLists.txt).
 
 /// @return whether this process runs its tests over DDS.
 /// @throws std::runtime_error if the wire is neither local nor dds
@@ -22,8 +21,8 @@ namespace vdrive::test {
 /// @return options of a session that finds the benches of this test.
 [[nodiscard]] client::SessionOptions options_on_wire();
 
-/// A bench on that wire, either in this process or as a service of this build. It is available
-/// after construction and ends when it is destroyed.
+/// A bench on the chosen wire, either in this process or as a service of this build. It is ready
+/// when the constructor returns and is stopped by the destructor.
 class BenchOnWire {
  public:
   /// @param words arguments of vdrived without network options: "--clock lockstep --axes 3"

@@ -18,7 +18,7 @@ inline std::string missed_deadline(std::string_view what, std::chrono::milliseco
   return "[deadline] " + std::string(what) + " in " + text + " s";
 }
 
-/// Writes that text to standard error, before the expectation fails because of it.
+/// Writes that text to standard error. Call it before the expectation that fails for this reason.
 inline void report_missed_deadline(std::string_view what, std::chrono::milliseconds patience) {
   std::cerr << missed_deadline(what, patience) + "\n";
 }

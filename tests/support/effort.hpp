@@ -6,7 +6,7 @@
 
 namespace vdrive::test {
 
-/// The amount of work of a test that can be scaled: seeds, moves, datagrams, kills.
+/// How much of its scalable work a test does: seeds, moves, datagrams, kills.
 template <typename Number>
 struct Effort {
   Number usual;    ///< tests/run.sh, which has two minutes

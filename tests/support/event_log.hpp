@@ -15,7 +15,7 @@
 
 namespace vdrive::test {
 
-/// The random session numbers, and the names that a test gives to these sessions.
+/// Maps random session numbers to the names that a test gives these sessions.
 class SessionNumbers {
  public:
   explicit SessionNumbers(std::map<std::uint64_t, std::string> names) : names_(std::move(names)) {}
@@ -44,12 +44,12 @@ class SessionNumbers {
 /// The events of one bench as a session receives them.
 ///
 /// Of equal events (same kind, axis, code and session) a bench passes on 20 per second of wall time
-/// and only counts the others. Therefore two runs of a program do not receive the same events. But
-/// each received event has its number among the equal ones, and all equal ones are counted. Both
-/// the numbered events and the counts must agree in two runs.
+/// and only counts the others, so two runs of a program receive different events. But each received
+/// event carries its number among the equal ones, and all equal ones are counted. Both the numbered
+/// events and the counts must agree in two runs.
 class EventLog {
  public:
-  /// Begins with the events that the bench has kept. @param numbers outlives this log
+  /// Begins with the events that the bench has kept. @param numbers must outlive this log
   EventLog(client::Session& session, const SessionNumbers& numbers)
       : session_(session), numbers_(numbers) {
     session_.on_event(

@@ -25,7 +25,7 @@ struct JournalComparison {
   std::uint64_t snapshots = 0;
 };
 
-/// Describes a record for a person who looks for a difference.
+/// Describes a record in the report of a difference.
 struct RecordText {
   std::string operator()(const service::JournalChange& change) const {
     return "change " + std::to_string(static_cast<int>(change.kind)) + " of the axis at " +
@@ -59,7 +59,7 @@ struct RecordText {
   }
 };
 
-/// @return a journal's configuration without the sections of the wire and its network.
+/// @return a journal's configuration without its sections "wire" and "network".
 inline std::string without_wire(const std::string& configuration) {
   std::istringstream lines(configuration);
   std::string kept;
@@ -202,8 +202,8 @@ class JournalPair {
   JournalComparison result_;
 };
 
-/// Compares two journals record by record, except for the wire, its network and the authors of
-/// writes. Both must be complete: ended properly, with every tick.
+/// Compares two journals record by record, ignoring the configuration of wire and network and the
+/// authors of writes. Both must be complete: ended properly, with every tick.
 inline JournalComparison compare_journals(const std::filesystem::path& one,
                                           const std::filesystem::path& other) {
   return JournalPair(one, other).compare();

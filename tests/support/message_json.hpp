@@ -12,7 +12,7 @@
 
 namespace vdrive::wire {
 
-/// @return any IDL message with all its members, for the output of a failing test.
+/// @return an IDL message as JSON, with all its members, for the output of a failing test.
 template <DescribedStruct Struct>
 nlohmann::ordered_json json_of(const Struct& message);
 

@@ -26,9 +26,9 @@ inline std::string text_of(const std::filesystem::path& file) {
   return text.str();
 }
 
-/// @return the process whose parent is `parent`, or 0.
+/// @return a child of `parent`, or 0.
 inline pid_t child_of(pid_t parent) {
-  if (parent <= 1) return 0;  // a program that has ended, or whose parent has
+  if (parent <= 1) return 0;  // 0 is no process, and 1 adopts orphans
   const std::string wanted = "PPid:\t" + std::to_string(parent) + "\n";
   for (const auto& entry : std::filesystem::directory_iterator("/proc")) {
     if (text_of(entry.path() / "status").find(wanted) != std::string::npos) {
@@ -44,7 +44,7 @@ inline pid_t wire_of(pid_t service) {
   return spawner == 0 ? 0 : child_of(spawner);
 }
 
-/// @throws std::invalid_argument for 0, which is not a process here.
+/// @throws std::invalid_argument for 0 and 1, see send_signal
 inline bool exists(pid_t process) {
   return send_signal(process, 0);
 }

@@ -5,8 +5,8 @@
 
 namespace vdrive::test {
 
-/// @return a DDS domain that no other program on this machine uses now; it stays reserved for the
-///         life of this process, like that of a private bench. Child processes of a test share it.
+/// @return a DDS domain that no other program on this machine uses. It stays reserved for the life
+///         of this process, like that of a private bench. Child processes of a test share it.
 [[nodiscard]] std::uint32_t test_domain();
 
 }  // namespace vdrive::test

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""A DDS domain that no other program of this machine uses: the claim of vdrive::process in Python.
+"""A DDS domain that no other program on this machine uses, claimed as by vdrive::process.
 
 As a program it prints the domain, and keeps it until standard input ends.
 """
@@ -22,7 +22,8 @@ def claim_domain():
         except OSError:
             claim.close()
             continue
-        # From now on participants share the port and receive anything sent to it.
+        # Participants may now share the port. Connected to a port that never sends, this socket takes none of their
+        # messages.
         claim.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
         claim.connect(("127.0.0.1", port + 9))
         return domain, claim

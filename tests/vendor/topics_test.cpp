@@ -215,7 +215,7 @@ TEST(CycloneTopics, DropMessagesLongerThanTheIdlAllows) {
   EXPECT_EQ(second, text_of(longest));
 }
 
-/// Two instances with two samples each: which of them a late reader gets.
+/// Two instances with two samples each; awaited() has those that a late reader gets.
 struct Sample {
   std::uint64_t instance;
   std::uint64_t count;

@@ -19,9 +19,9 @@
 
 static const dds_duration_t kPatience = DDS_SECS(10);    // for an answer
 static const dds_duration_t kAgain = DDS_MSECS(500);     // before the first request is repeated
-static const dds_duration_t kKeepAlive = DDS_MSECS(20);  // the watchdog allows 100 ms
+static const dds_duration_t kKeepAlive = DDS_MSECS(20);  // the watchdog allows 500 ms
 static const uint64_t kTicksPerStep = 10;
-static const dds_duration_t kLongestMove = DDS_SECS(60);  // skipped ticks move no axis
+static const dds_duration_t kLongestMove = DDS_SECS(60);  // skipped ticks make it longer
 static const int32_t kDepth = 1024;
 
 // A reader and a wait set for its samples.

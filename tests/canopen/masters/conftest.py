@@ -24,8 +24,8 @@ def bus(request, tmp_path):
 
 
 def judge(module, log):
-    """The judge finds nothing in the log of the bus but FINDINGS of the module, which explain each
-    rule.
+    """Check that the judge finds nothing in the log of the bus but the FINDINGS of the module, which
+    explain each rule.
 
     A test also commands things that its master does not, such as a fault.
     docs/guides/judging.md lists the findings that are due to the masters."""

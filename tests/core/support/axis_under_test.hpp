@@ -15,11 +15,11 @@
 
 namespace vdrive::test {
 
-/// Resolution of an axis's encoders by default.
+/// Default resolution of an axis's encoders [UU/rad].
 inline constexpr double kUnitsPerRadian = 4096.0 / (2.0 * std::numbers::pi);
 
-/// One axis with access by variable_name and a drive clock; shared by the tests of the bank's
-/// behaviour. A refused write or read fails the test unless the test reads the abort code.
+/// One axis whose objects are accessed by variable_name, and its clock. A refused write or read
+/// throws, which fails the test; try_write and try_read give the abort code.
 class AxisUnderTest {
  public:
   static constexpr std::chrono::microseconds kDefaultPeriod{1000};

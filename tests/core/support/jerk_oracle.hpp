@@ -59,8 +59,8 @@ class ExactPath {
                                        const MotionLimits& limits, const MotionJerk& jerk);
 
 /// @return the time of the fastest motion over `distance` to rest, among those that head for +V or
-///         -V for some time and then stop: in each direction, for each instant at which a stop ends
-///         there.
+///         -V for some time and then stop: tries both directions, and each instant from which a
+///         stop ends at `distance`.
 [[nodiscard]] long double fastest_move(const ExactState& start, long double distance,
                                        const MotionLimits& limits, const MotionJerk& jerk);
 

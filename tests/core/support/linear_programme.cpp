@@ -15,8 +15,8 @@ double product(const std::vector<double>& left, const std::vector<double>& right
 }
 
 /// A vertex: as many bounds as there are variables, which hold with equality at one point, and the
-/// prices that make the objective their sum. Bound 2k is z[k] <= 1, bound 2k + 1 is -z[k] <= 1; the
-/// rows follow.
+/// prices with which they add up to the objective. Bound 2k is z[k] <= 1, bound 2k + 1 is -z[k] <=
+/// 1; the rows follow.
 class Vertex {
  public:
   explicit Vertex(const LinearProgramme& programme)
@@ -80,8 +80,8 @@ class Vertex {
   /// @return the prices of the rows.
   [[nodiscard]] std::vector<double> prices() const { return of_rows(prices_); }
 
-  /// @return the prices with which the others and `bound`, which could not be taken in, add up to
-  ///         0.
+  /// @return the prices with which the active bounds and `bound`, which could not be taken in, add
+  ///         up to 0.
   [[nodiscard]] std::vector<double> contradiction(std::size_t bound) const {
     std::vector<double> weights(count_);
     std::transform(factors_.begin(), factors_.end(), weights.begin(), [](double factor) {
@@ -133,7 +133,7 @@ class Vertex {
   std::vector<double> prices_;                // of the active bounds
   std::vector<std::vector<double>> columns_;  // of the inverse of their matrix
   std::vector<double> point_;
-  std::vector<double> factors_;  // of the active bounds in the bound that is taken in
+  std::vector<double> factors_;  // with which the active bounds add up to the new one
 };
 
 }  // namespace

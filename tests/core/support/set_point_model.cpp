@@ -21,7 +21,8 @@ struct ModelSetPoint {
   bool relative = false;
 };
 
-/// Profile position mode as the sheet describes it, with 605Ah, 605Bh, 605Ch and 605Eh all 0.
+/// Profile position mode by its specification, not by the code of the drive; 605Ah, 605Bh, 605Ch
+/// and 605Eh are all 0.
 class Model {
  public:
   Model(const AxisUnderTest& axis, std::map<std::string, int>& occurred)
@@ -65,7 +66,7 @@ class Model {
     if (state_ == PowerState::fault_reaction_active) {
       state_ = PowerState::fault;  // coasting: the reaction is shown for one tick
     } else if (state_ == PowerState::quick_stop_active && !entered_) {
-      state_ = PowerState::switch_on_disabled;  // so is the quick stop of 605Ah = 0
+      state_ = PowerState::switch_on_disabled;  // the same for a quick stop with 605Ah = 0
     }
     entered_ = false;
     watch_causes();
@@ -131,7 +132,7 @@ class Model {
     });
   }
 
-  /// A lost DC link is a fault where there is power to lose; elsewhere it leads back.
+  /// A lost DC link is a fault if the axis has power; otherwise it leads to Switch on disabled.
   void watch_causes() {
     for (const auto& [name, present] : causes_) {
       const bool dc_link = name == "test_dc_link_loss";
@@ -211,7 +212,7 @@ class Model {
     rest_here();
   }
 
-  /// The axis's position becomes the latched target, which is reached at once.
+  /// The axis's position becomes the latched target, which is reached immediately.
   void rest_here() {
     drop();
     target_ = std::nearbyint(x_);
@@ -348,7 +349,7 @@ class Model {
                                       {"test_over_temperature", false},
                                       {"test_encoder_failure", false},
                                       {"test_dc_link_loss", false}};
-  bool entered_ = false;  // the quick stop, since the last tick
+  bool entered_ = false;  // Quick stop active, since the last tick
   int words_in_tick_ = 0;
 
   double x_ = 0.0;

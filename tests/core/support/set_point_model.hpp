@@ -44,7 +44,7 @@ struct SideBySide {
 /// The axis of tests/data/whole_units.yaml.
 [[nodiscard]] AxisConfiguration whole_units_axis();
 
-/// @return the answer that the sheet requires for a write, for the objects of the sequences.
+/// @return the abort code that a write to an object of the sequences must get.
 [[nodiscard]] AbortCode expected_answer(const Command& command);
 
 [[nodiscard]] SideBySide run_side_by_side(const std::vector<Step>& steps);

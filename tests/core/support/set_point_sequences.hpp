@@ -35,7 +35,7 @@ inline rc::Gen<Command> any_command() {
       {2, value_of("profile_acc", ramp)},
       {2, value_of("profile_dec", ramp)},
       {2, value_of("positioning_option_code", rc::gen::inRange<std::int64_t>(0, 3))},
-      // Mode 0 and modes that this kind of drive does not have are refused; 6060h keeps its value.
+      // Modes 0 and 1, and modes that are refused: 6060h then keeps its value.
       {6, value_of("op_mode_cmd", rc::gen::elementOf(Values{0, 0, 1, 1, 1, 11, 5, -1, 127}))},
       {2, value_of("position_target_reached_window",
                    rc::gen::elementOf(Values{0, 5, 100, 4294967295}))},

@@ -83,7 +83,7 @@ function sync() {
   device.sync.write();
 }
 
-/** One period. In lock-step SYNC lets it pass; the answer of `fence` follows all its effects. */
+/** Waits for one period. In lock-step, SYNC lets it pass; node `fence` answers after all effects of SYNC. */
 async function pass(fence = 3) {
   if (clock === "realtime") return sleep(PERIOD);
   sync();

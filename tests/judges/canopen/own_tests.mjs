@@ -87,8 +87,8 @@ function casesOfSdo() {
   return cases.map(([title, expected]) => [`Sdo: ${title}`, expected]);
 }
 
-// The tests map the dummies 0002h and 0005h, of one byte. Here, RPDO1 of the node is 6060h and
-// TPDO1 is 6061h, also of one byte: a value passes through the drive and back.
+// The tests map the dummies 0002h and 0005h, one byte each. Here, RPDO1 of the node is 6060h and
+// TPDO1 is 6061h, also one byte each: a value passes through the drive and back.
 const CASES_OF_PDO = [
   ["should emit start once", alone],
   ["should emit stop once", alone],

@@ -62,8 +62,9 @@ void add_end_stops(DrawnAxis& axis, Random& random) {
   axis.model.upper_end_stop = static_cast<double>(random.between(20'000, 80'000));
 }
 
-/// Adds effects of the plant. A weight always has a brake that holds it. Together the effects stay
-/// below kStrongest of the watch; ripple is left out because it would exceed the torque limits.
+/// Adds effects of the plant. A weight always has a brake that holds it. Together the effects
+/// accelerate the axis by less than kStrongest (model.cpp); ripple is left out because it would
+/// exceed the torque limits.
 void add_effects(DrawnAxis& axis, Random& random) {
   AxisModel& model = axis.model;
   if (random.per_mille(500)) {
@@ -99,7 +100,7 @@ constexpr std::array kDrawnHabits{
 void add_habits(DrawnAxis& axis, Random& random) {
   constexpr double kMillisecond_s = 1.0e-3;
   constexpr double kWholeTicks_s = 0.01;  // more than rounding up to ticks of 2 ms adds
-  axis.limits.jerk = 0.0;                 // 5E20h:0B plans from rest
+  axis.limits.jerk = 0.0;                 // not checked: 5E20h:0B plans from rest
   for (const Habit& habit : kDrawnHabits) {
     if (!random.per_mille(250)) continue;
     const std::int64_t value = random.between(1, habit.highest);

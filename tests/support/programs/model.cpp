@@ -16,8 +16,8 @@ namespace {
 /// together: (9 N.m + 3 N.m) / 6e-4 kg.m2 = 20000 rad/s2, times 4096 / 2 pi.
 constexpr double kStrongest = 1.4e7;  // [UU/s2]
 
-/// The tolerance of a step in position in addition to speed and acceleration: rounding, and encoder
-/// noise.
+/// How far a position may move in a tick beyond what speed and acceleration allow: rounding, and
+/// encoder noise.
 constexpr double kBlur = 6.0;  // [UU]
 
 constexpr double kSettled_s = 0.5;
@@ -31,8 +31,7 @@ bool is_mode(const AxisStatus& status, OperatingMode mode) {
   return static_cast<OperatingMode>(status.op_mode_actual) == mode;
 }
 
-/// @return whether the motions of the mode close the position loop. Its stops may do so in any
-///         mode.
+/// @return whether motions in this mode use the position loop. Stops may use it in any mode.
 bool leads_position(const AxisStatus& status) {
   using enum OperatingMode;
   return is_mode(status, none) || is_mode(status, profile_position) || is_mode(status, homing) ||
@@ -240,7 +239,8 @@ std::int64_t AxisWatch::way(std::int32_t from, std::int32_t to) const {
   return ahead > span / 2 ? ahead - span : ahead;
 }
 
-/// The position changes by its speed. Homing redefines it, and a failed encoder gives none.
+/// The position changes only by its speed, except in homing, which redefines it, and with a failed
+/// encoder, which gives none.
 void AxisWatch::check_jump(const AxisStatus& now, bool encoder_fails, bool commanded) {
   if (is_mode(now, OperatingMode::homing) || is_mode(last_, OperatingMode::homing) ||
       encoder_fails || had_test_input_) {
@@ -315,9 +315,9 @@ void AxisWatch::check_speed(const AxisStatus& now) {
   }
 }
 
-/// Stops at limit switches and stops that end Operation enabled have no limited jerk. The statuses
-/// of two ticks do not show whether the axis was without power in between; transition 4 then begins
-/// with a demand at rest.
+/// Jerk is not limited in stops at limit switches and in stops that end Operation enabled. The
+/// statuses of two ticks do not show whether the axis was without power in between; transition 4
+/// then begins with a demand at rest.
 bool AxisWatch::may_be_rounded(const AxisStatus& now, const AxisCauses& causes) const {
   constexpr int kDisableVoltage = 2;  // of 6007h
   const bool was_off = causes.switched_off || causes.cycled ||
@@ -357,8 +357,8 @@ void AxisWatch::check_jerk(const AxisStatus& now, const AxisCauses& causes) {
 }
 
 /// A demand that started at rest within the range stays there as long as only profiles lead it. A
-/// streamed demand stays there while it follows: it needs no ramp to stop at the limit, but a stop
-/// from its speed does.
+/// streamed demand stays there while the drive follows it, because it can stop at the limit without
+/// a ramp; a stop reaction needs a ramp and may pass the limit.
 void AxisWatch::check_range(const AxisStatus& now, bool commanded) {
   if (!limits_.has_range) return;
   const bool streams = is_mode(now, OperatingMode::cyclic_synchronous_position) ||

@@ -76,7 +76,7 @@ struct AxisCauses {
 /// downwards.
 class PowerModel {
  public:
-  /// Checks of later ticks start from `state` again.
+  /// Restarts the checks from `state`.
   void begin(PowerState state) { last_ = state; }
 
   /// Call for a controlword: its command may take effect in the next tick, or up to `delay` ticks
@@ -137,7 +137,7 @@ class AxisWatch {
   /// @param state the state of the axis
   void check(const AxisStatus& now, PowerState state, const AxisCauses& causes);
 
-  /// Later checks start from `now` again.
+  /// Restarts the checks from `now`.
   void begin(const AxisStatus& now, PowerState state);
 
   /// @return the first violation in any check.
@@ -170,10 +170,10 @@ class AxisWatch {
   bool had_test_input_ = false;   ///< in the previous tick
   bool is_contained_ = false;     ///< the demand began within 607Dh and has never been led outside
   double calm_s_ = 0.0;           ///< how long nothing but the drive has moved the axis
-  std::int64_t rest_speed_ = -1;  ///< without power, a speed never exceeded; negative = none
+  std::int64_t rest_speed_ = -1;  ///< highest speed allowed without power; negative = any
   std::int64_t last_change_ = 0;  ///< of 606Bh in the previous tick [UU/s]
   int standing_ticks_ = 0;        ///< how long the demand of a profile has been at rest
-  bool is_rounded_ = false;       ///< since then only profiles have led the demand
+  bool is_rounded_ = false;       ///< since that rest, only profiles have led the demand
 };
 
 }  // namespace vdrive::test
