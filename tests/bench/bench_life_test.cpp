@@ -402,7 +402,7 @@ TEST(Observer, OfRefusalsThatThrowsReachesTheNextCallOnce) {
   EXPECT_TRUE(cause_a_refusal(session)) << "its reports have ended";
 }
 
-TEST(Observer, OfEachKindThatThrowsReachesACallOfItsOwn) {
+TEST(Observer, OfEachKindThatThrowsReachesASeparateCall) {
   const Bench bench;
   Session session = bench.session();
   std::promise<void> has_begun;
@@ -1240,7 +1240,7 @@ TEST(Bench, WithoutAStateDirectorySaysWhichOptionIsMissing) {
               HasSubstr("for a bench in a process BenchOptions::state_directory"));
 }
 
-TEST(Bench, HasAnIncarnationOfItsOwn) {
+TEST(Bench, HasItsOwnIncarnation) {
   std::vector<std::uint64_t> incarnations;
   for (int count = 0; count < 20; ++count) {
     const Bench bench;
@@ -1342,7 +1342,7 @@ INSTANTIATE_TEST_SUITE_P(EachClock, ForkInAnyClock,
                            return std::string(to_string(clock.param));
                          });
 
-TEST(Fork, LeavesTheChildFreeToMakeABenchOfItsOwn) {
+TEST(Fork, LeavesTheChildFreeToMakeItsOwnBench) {
   const Bench bench;
   Session session = bench.session();
   ASSERT_TRUE(session.step(1, 3));

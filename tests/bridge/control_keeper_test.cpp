@@ -105,7 +105,7 @@ TEST(ControlKeeper, AsksMoreAndMoreRarelyAfterRefusals) {
   EXPECT_THAT(kept.reports, ElementsAre(HasSubstr("cannot take control: the bench refuses")));
 }
 
-TEST(ControlKeeper, LeavesControlThatAnotherSessionTookUntilItIsWantedAnew) {
+TEST(ControlKeeper, LeavesControlThatAnotherSessionTookUntilItIsWantedAgain) {
   Kept kept;
   kept.keeper.want(true);
   (void)kept.keep(0ms);

@@ -208,7 +208,7 @@ TEST(AsciiGatewayServer, TakesWhatWaitedWhileTheBusWasHeldBeforeItCloses) {
   EXPECT_EQ(peer->received(), "[1] OK\r\n[2] OK\r\n");
 }
 
-TEST(AsciiGatewayServer, SendsNoSyncWhileTheBusIsHeldAndThoseThatAreLeftBehindIt) {
+TEST(AsciiGatewayServer, SendsItsRemainingSyncsOnceTheBusIsReleased) {
   GatewayBench bench;
   const RecordedPort slow(bench.bus);
   const auto peer = bench.connect();

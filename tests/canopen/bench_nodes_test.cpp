@@ -267,7 +267,7 @@ TEST(BenchNodes, ShareTheTimeOfFaultsWithThoseThatCameFirst) {
   EXPECT_EQ(test.bus.faults().now(), 12s);
 }
 
-TEST(BenchNodes, HaveTheTimeOfFaultsOfBeforeWhenTheirDrivesComeBack) {
+TEST(BenchNodes, KeepTheTimeOfFaultsWhenTheirDrivesComeBack) {
   NodeOnABus test;
   test.start(kSince1970);
   test.show(kSince1970 + 3s);

@@ -270,7 +270,7 @@ TEST_F(ElectronicDataSheet, ListsAnIndexWhereTheStandardHasIt) {
   EXPECT_THAT(mandatory, ElementsAre("1000", "1001", "1018"));
 }
 
-TEST_F(ElectronicDataSheet, HasEachObjectBehindItsIndex) {
+TEST_F(ElectronicDataSheet, HasEachObjectAfterItsIndex) {
   for (std::size_t i = 0; i < sheet_.size(); ++i) {
     const std::string& name = sheet_[i].name;
     const std::size_t sub = name.find("sub");

@@ -157,7 +157,7 @@ TEST(Emergency, IsTheErrorReset0000WhenTheFaultHasBeenReset) {
   EXPECT_THAT(node.update(), IsEmpty());
 }
 
-TEST(Emergency, IsSentAgainForTheSameFaultBehindAReset) {
+TEST(Emergency, IsSentAgainForTheSameFaultAfterAReset) {
   EmergencyUnderTest node;
   node.fault(0x8611, 0x21);
   node.reset();
@@ -305,7 +305,7 @@ TEST(Emergency, SendsWhatWasDueBeforeWhatComesLater) {
   EXPECT_EQ(node.emergency.held_back(), 0U);
 }
 
-TEST(Emergency, IsSentAtOnceBehindTheInhibitTime) {
+TEST(Emergency, IsSentImmediatelyAfterTheInhibitTime) {
   EmergencyUnderTest node;
   node.emergency.set_inhibit_time(500);
   node.fault(0x8611, 0x21, 0ms);

@@ -35,7 +35,7 @@ struct ProducerUnderTest {
   }
 };
 
-TEST(HeartbeatProducer, SendsNothingBehindTheBootUpByDefault) {
+TEST(HeartbeatProducer, SendsNothingAfterTheBootUpByDefault) {
   ProducerUnderTest under_test;
   under_test.producer.boot_up(0ms);
   EXPECT_THAT(under_test.host.take(), ElementsAre("705#00"));
@@ -387,7 +387,7 @@ TEST(HeartbeatError, LastsUntilAllProducersAreBack) {
 }
 
 // In the meantime another master may have reset the fault of the first loss and enabled the drive.
-TEST(HeartbeatError, IsALossOfItsOwnToTheDriveForEachProducer) {
+TEST(HeartbeatError, IsASeparateLossForEachProducer) {
   WatchingNode watching;
   watching.receive("601#23161002F4010A00");  // node Ah, 500 ms
   watching.receive("70A#05");
@@ -398,7 +398,7 @@ TEST(HeartbeatError, IsALossOfItsOwnToTheDriveForEachProducer) {
 }
 
 // A master may enable the drive by SDO without an NMT start of the node.
-TEST(HeartbeatError, IsALossToTheDriveAlsoBehindAStopByNmt) {
+TEST(HeartbeatError, IsALossToTheDriveAlsoAfterAStopByNmt) {
   WatchingNode watching;
   watching.receive("000#0101");
   watching.receive("000#0201");

@@ -244,7 +244,7 @@ TEST(Node, AnswersNothingButNmtInStopped) {
   EXPECT_THAT(test.advance(100ms), ElementsAre("701#04")) << "but its heartbeat";
 }
 
-TEST(Node, SendsTheEmergencyThatCameInStoppedBehindIt) {
+TEST(Node, SendsAfterStoppedTheEmergencyThatCameInIt) {
   NodeUnderTest test;
   test.receive(kStop);
   test.drive.status.error_code = 0x8611;
@@ -261,7 +261,7 @@ TEST(Node, SendsTheEmergencyOfAFaultThatIsThereAtItsStart) {
   EXPECT_THAT(host.take(), ElementsAre("701#00", StartsWith("081#3055")));
 }
 
-TEST(Node, SendsTheEmergencyOfALastingFaultAgainBehindAResetOfTheCommunication) {
+TEST(Node, SendsTheEmergencyOfALastingFaultAgainAfterAResetOfTheCommunication) {
   NodeUnderTest test;
   test.drive.status.error_code = 0x8611;
   EXPECT_THAT(test.update(), ElementsAre(StartsWith("081#1186")));
@@ -269,7 +269,7 @@ TEST(Node, SendsTheEmergencyOfALastingFaultAgainBehindAResetOfTheCommunication) 
   EXPECT_THAT(test.update(), ElementsAre(StartsWith("081#1186")));
 }
 
-TEST(Node, SendsNoEmergencyOfBeforeAResetNodeBehindItsBootUp) {
+TEST(Node, SendsNoEarlierEmergencyAfterTheBootUpOfAResetNode) {
   NodeUnderTest test;
   test.drive.status.error_code = 0x8611;
   test.drive.status.fault_count = 1;
@@ -285,7 +285,7 @@ TEST(Node, SendsNoEmergencyOfBeforeAResetNodeBehindItsBootUp) {
   EXPECT_THAT(test.update(), ElementsAre(StartsWith("081#3055")));
 }
 
-TEST(Node, SendsTheEmergencyOfADriveThatIsThereAgainBehindAResetNode) {
+TEST(Node, SendsTheEmergencyOfADriveThatIsThereAgainAfterAResetNode) {
   NodeUnderTest test;
   test.receive(kResetNode);
   test.drive.status.error_code = 0x5530;
@@ -888,7 +888,7 @@ TEST(NodeParameters, AreInForceFromTheStartWhenTheyWereStored) {
   EXPECT_EQ(test.node.value({0x1014, 0}), 0xA1);
 }
 
-TEST(NodeParameters, HaveTheirDefaultsBehindTheResetThatFollowsALoad) {
+TEST(NodeParameters, HaveTheirDefaultsAfterTheResetThatFollowsALoad) {
   NodeUnderTest test(Node::Parameters{{{0x1017, 0}, 500}});
   test.receive(kLoad);
   EXPECT_EQ(test.host.accesses.back().object, (ObjectAddress{0x1011, 1}));

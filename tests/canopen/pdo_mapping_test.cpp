@@ -240,7 +240,7 @@ TEST(PdoMappingRecord, TakesZeroForAnEntryThatIsNotUsed) {
   EXPECT_EQ(mapping.read(1), 0U);
 }
 
-TEST(PdoMappingRecord, KeepsTheEntriesBehindItsCount) {
+TEST(PdoMappingRecord, KeepsTheEntriesBeyondItsCount) {
   MappingRecord mapping(0x1602, PdoDirection::receive);
   EXPECT_EQ(mapping.write(0, 1, kInvalidPdo), AbortCode::none);
   EXPECT_EQ(mapping.read(2), kMapTargetPosition);

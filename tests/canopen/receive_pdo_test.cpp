@@ -83,7 +83,7 @@ TEST(ReceivePdo, RefusesRestrictedCanIdsWith06090030) {
   EXPECT_EQ(pdo.read({0x1400, 1}), kCobIdNotValid);
 }
 
-TEST(ReceivePdo, TakesTheCanIdsBesideTheRestrictedOnes) {
+TEST(ReceivePdo, TakesTheCanIdsThatAreNotRestricted) {
   for (const std::uint32_t can_id :
        {0x080U, 0x100U, 0x181U, 0x57FU, 0x580U, 0x600U, 0x680U, 0x6DFU, 0x700U}) {
     ReceivePdo pdo(pdo_place(1));

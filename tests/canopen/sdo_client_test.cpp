@@ -240,7 +240,7 @@ TEST(SdoClient, EndsWhenTheAnswerIsOverdue) {
   EXPECT_EQ(recorded.client.next_due(), std::nullopt);
 }
 
-TEST(SdoClient, CountsTheTimeOfEachAnswerAnew) {
+TEST(SdoClient, RestartsTheTimeOutForEachAnswer) {
   RecordedClient recorded;
   recorded.client.read(kStatusword, kTimeOut, recorded.now);
   recorded.now += std::chrono::milliseconds(400);

@@ -85,7 +85,7 @@ TEST(SocketcandServer, RefusesAHostThatIsNoAddress) {
                std::runtime_error);
 }
 
-TEST(SocketcandServer, AnswersEachWordOfTheHandshakeInABlockOfItsOwn) {
+TEST(SocketcandServer, AnswersEachWordOfTheHandshakeInASeparateBlock) {
   // python-can compares each received block with the expected answer.
   SocketcandBench bench;
   const auto peer = bench.connect();

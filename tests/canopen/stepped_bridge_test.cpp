@@ -253,7 +253,7 @@ constexpr std::array<StreamRow, 4> kStreamRows{{
 class StreamBySync : public testing::TestWithParam<StreamRow> {};
 
 // RPDOs received before SYNC n act at n in every mode.
-TEST_P(StreamBySync, ActsInTheTickBehindSync) {
+TEST_P(StreamBySync, ActsInTheTickAfterSync) {
   const StreamRow& row = GetParam();
   BusOfBench bus(1, 1ms);
   TestMaster& master = bus.master();

@@ -208,7 +208,7 @@ TEST(TransmitPdo, OfTypes1To240IsSentAtEveryNthSync) {
   EXPECT_THAT(sent_at_syncs(240, 481), ElementsAre(240, 480));
 }
 
-TEST(TransmitPdo, OfType0IsSentAtTheSyncBehindAChange) {
+TEST(TransmitPdo, OfType0IsSentAtTheSyncAfterAChange) {
   TransmitPdo pdo = transmit_pdo_of_type(0);
   EXPECT_FALSE(pdo.send_due(pdo_status(1), 0ms));
   EXPECT_THAT(pdo_bytes(pdo.synchronise(pdo_status(1), kNoCounter)), ElementsAre(1, 0));

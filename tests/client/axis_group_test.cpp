@@ -624,7 +624,7 @@ TEST_F(LockStepGroup, StopsOnItsLineBeforeItsEndAndTurnsBack) {
   EXPECT_LE(back.deviation(), 1.0);
 }
 
-TEST_F(LockStepGroup, ATargetBesideTheLineIsRefusedAndTheAxesGoOn) {
+TEST_F(LockStepGroup, ATargetOffTheLineIsRefusedAndTheAxesGoOn) {
   AxisGroup group = enabled(2);
   const Eigen::VectorXd targets = vector({100'000, 50'000});
   ASSERT_TRUE(group.move_together(targets, at_start()));

@@ -70,7 +70,7 @@ TEST_F(MovingLine, TakesATargetThatIsRounded) {
   EXPECT_THAT(refusal({18'100, -5'803}), HasSubstr("axis 1.2: its target (607Ah) is -5803 UU"));
 }
 
-TEST_F(MovingLine, NamesTheAxisThatMovesBesideIt) {
+TEST_F(MovingLine, NamesTheAxisThatMovesOffTheLine) {
   axes[1] = moving_axis(2, -1'300, -202);
   EXPECT_THAT(refusal({18'100, -5'800}),
               HasSubstr("axis 1.2: its velocity demand (606Bh) is -202 UU/s (-0.202 mm/s), but "

@@ -65,7 +65,7 @@ TEST_F(Modes, HomeWithoutAMethodEndsInAHomingError) {
   EXPECT_THAT(refused.message(), HasSubstr("homing_method"));
 }
 
-TEST_F(Modes, HomeFailsAfterAHaltAndASecondHomeIsRefusedMeanwhile) {
+TEST_F(Modes, HomeFailsAfterAHaltAndASecondHomeIsRefusedDuringTheFirst) {
   ASSERT_TRUE(
       axis_.home({.method = 17, .search_speed = 100, .creep_speed = 100, .call = in_force()}));
   ASSERT_TRUE(session_.step(1, 10));
@@ -644,7 +644,7 @@ TEST_F(CommandEach, HaltsAndResumesAxesWithoutAModeAtOnce) {
 }
 
 // The second axis has a fault, the third belongs to another session.
-TEST_F(CommandEach, GivesEveryAxisAnOutcomeOfItsOwn) {
+TEST_F(CommandEach, GivesEveryAxisItsOwnOutcome) {
   ASSERT_TRUE(axes_[1].disturb(Disturbance::over_current));
   ASSERT_TRUE(session_.step(1, 2));
   Session other(options_on_wire());

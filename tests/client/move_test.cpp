@@ -86,7 +86,7 @@ TEST_F(Move, WithoutSpeedOrRampIsRefusedAtOnceAndChangesNothing) {
   EXPECT_TRUE(axis_.move_to(1000)) << "a later move is not touched";
 }
 
-TEST_F(Move, NeedsASpeedOfItsOwnWhereTheDriveHasNone) {
+TEST_F(Move, NeedsASpeedWhereTheDriveHasNone) {
   write(kVelocity, 0);
   EXPECT_THAT(axis_.move_to(1000).message(), HasSubstr("profile_velocity (6081h) is 0"));
   EXPECT_TRUE(axis_.move_to(1000, with(5000)));

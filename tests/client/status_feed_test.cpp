@@ -80,7 +80,7 @@ TEST(StatusFeed, BeginsWithTick0) {
 }
 
 // A frame from before the call may still be on its way to the reader.
-TEST(StatusFeed, LeavesOutFramesOfBeforeItsFirstTick) {
+TEST(StatusFeed, LeavesOutFramesFromBeforeItsFirstTick) {
   Feed sut({1}, 1, 5);
   EXPECT_FALSE(sut.on_frame(frame(4, {1})));
   EXPECT_TRUE(sut.on_frame(frame(5, {1})));

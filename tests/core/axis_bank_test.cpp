@@ -142,7 +142,7 @@ TEST(AxisBank, GivesTheSameBitsFromSeveralThreads) {
   EXPECT_EQ(threaded, expected);
 }
 
-TEST(AxisBank, AnAxisBehavesTheSameBesideAnyOtherAxes) {
+TEST(AxisBank, BehavesTheSameWhateverItsNeighbours) {
   const std::vector<AxisConfiguration> axes = mixed_axes(20);
   AxisBank bank(axes, microseconds{1000});
   for (std::size_t i = 0; i < axes.size(); ++i) {

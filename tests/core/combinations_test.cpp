@@ -194,7 +194,7 @@ TEST_F(RoundedTurn, CrossesTheEndOfTheRangeInOnePiece) {
 
 // After 0.1 s the axis is at 4 with 4000 UU/s; with this jerk it would come to rest 200 UU further
 // on, at 204. With the ramp of 6084h alone it would come to rest at 24.
-TEST_F(RoundedTurn, ReachesATargetBeforeThePlaceOfRestOfTheJerkATurnLater) {
+TEST_F(RoundedTurn, ReachesATargetShortOfTheJerkLimitedStopATurnLater) {
   step(99);
   set_off(190, kPositiveWay);
   step_to_the_end();
@@ -202,7 +202,7 @@ TEST_F(RoundedTurn, ReachesATargetBeforeThePlaceOfRestOfTheJerkATurnLater) {
   EXPECT_EQ(whole_way(), 196 + 190 + kSpanOfTable);
 }
 
-TEST_F(RoundedTurn, ReachesATargetBehindThePlaceOfRestOfTheJerkInThisTurn) {
+TEST_F(RoundedTurn, ReachesATargetPastTheJerkLimitedStopInThisTurn) {
   step(99);
   set_off(220, kPositiveWay);
   step_to_the_end();
@@ -212,7 +212,7 @@ TEST_F(RoundedTurn, ReachesATargetBehindThePlaceOfRestOfTheJerkInThisTurn) {
 
 // ---- touch probes of a modulo axis --------------------------------------------------------------
 
-TEST(TouchProbeOfAModuloAxis, LatchesPlacesOfTheRangeBehindItsEnd) {
+TEST(TouchProbeOfAModuloAxis, LatchesPositionsInTheRangeAfterAWrap) {
   // From 4000 through 0 to 500, 596 UU with 409600 UU/s²: 12671 UU/s at the first edge, after 196
   // UU, and 12800 UU/s at the second, 200 UU before the end. At these speeds a sub-step of 125 us
   // is 1.6 UU.
@@ -364,7 +364,7 @@ class UnroundedQuickStop : public testing::TestWithParam<UnroundedRow> {
 };
 
 // With limited jerk the ramps would begin with 4096000 UU/s³: 4 UU/s more from tick to tick.
-TEST_P(UnroundedQuickStop, HasTheWholeRampAtOnce) {
+TEST_P(UnroundedQuickStop, HasNoJerkLimit) {
   AxisUnderTest axis;
   ASSERT_NO_FATAL_FAILURE(run(axis));
   axis.write("quick_stop_option_code", 2);

@@ -341,7 +341,7 @@ TEST(CyclicPosition, RunsAtEveryPeriod) {
 
 // ---- modes of the drive ------------------------------------------------------------------------
 
-TEST(SupportedDriveModes, AreThoseOfTheManualThatOfInvertersAndThoseOfStreams) {
+TEST(SupportedDriveModes, AreThoseOfTheManualPlusVelocityAndCyclicModes) {
   constexpr std::array<std::int64_t, 10> kWorking{0, 1, 2, 3, 4, 6, 7, 8, 9, 10};
   AxisUnderTest axis;
   // 6502h: bit n - 1 for mode n; modes 1 to 4 and 6 to 10.

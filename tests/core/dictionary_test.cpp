@@ -118,7 +118,7 @@ TEST(ObjectTable, HasOnlyRowsOfTheTwoTables) {
   }
 }
 
-TEST(AddressSuggestion, IsOfTheFourHexDigitsOfAnIndex) {
+TEST(AddressSuggestion, IsOfferedForFourHexDigits) {
   EXPECT_EQ(address_suggestion("6041"), " (did you mean 0x6041 or 6041h?)");
   EXPECT_EQ(address_suggestion("607D:1"), " (did you mean 0x607D:1 or 607Dh:1?)");
   for (const char* const text : {"", "604", "60410", "0x6041", "6041h", "607D:", "60x1", "9999"}) {
@@ -416,7 +416,7 @@ TEST(DictionarySweep, ChecksIndexThenSubIndexThenAccessThenRange) {
   EXPECT_EQ(axis.axis().write({0x6060, 0}, kFarOut), AbortCode::value_too_high);
 }
 
-TEST(DictionarySweep, TheSheetsOwnExamplesHold) {
+TEST(DictionarySweep, GivesTheAbortCodesOfTheSpecification) {
   AxisUnderTest axis;
   // "6080h = 0 -> 0x06090032"; "write to 6041h/6061h/6062h/6064h -> 0x06010002".
   EXPECT_EQ(axis.try_write("motor_max_speed_rpm", 0), AbortCode{0x06090032});
@@ -628,7 +628,7 @@ TEST(ObjectAddressText, IsNothingElse) {
   }
 }
 
-TEST(ObjectAddressText, IsAnObjectBesideTheNames) {
+TEST(ObjectAddressText, IsAcceptedWhereverANameIs) {
   EXPECT_EQ(parse_object("ds402_statusword"), (ObjectAddress{0x6041, 0}));
   EXPECT_EQ(parse_object("statusword"), (ObjectAddress{0x6041, 0})) << "the standard's name";
   EXPECT_EQ(parse_object("0x9999:7"), (ObjectAddress{0x9999, 7})) << "the drive refuses it";

@@ -692,7 +692,7 @@ TEST(MotorHeat, BearsTheRatedCurrentForEver) {
   EXPECT_EQ(heated.axis.state(), PowerState::operation_enabled);
 }
 
-TEST(MotorHeat, GoesOutWithTheWarningWhenTheLoadGoesBeforeTheFault) {
+TEST(MotorHeat, ClearsTheWarningIfTheLoadEndsBeforeTheFault) {
   HeatedAxis heated(1.0, 2'000);
   ASSERT_NE(heated.axis.step_until(
                 [&] {
@@ -726,7 +726,7 @@ TEST(MotorHeat, FollowsTheRatedCurrentOf6075h) {
   EXPECT_NEAR(static_cast<double>(ticks), 287.7, 4.0);
 }
 
-TEST(MotorHeat, IsNoneWithoutATimeConstant) {
+TEST(MotorHeat, IsOffWithoutATimeConstant) {
   HeatedAxis heated(0.0, 3'000);
   heated.axis.step(5'000);
   EXPECT_FALSE(heated.warns());

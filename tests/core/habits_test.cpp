@@ -341,7 +341,7 @@ TEST(HabitModeChangeRefusal, RefusesAnotherModeUnderHalt) {
   EXPECT_EQ(axis.status().op_mode_actual, 3);
 }
 
-TEST(HabitModeChangeRefusal, RefusesAnotherModeBehindSwitchedOn) {
+TEST(HabitModeChangeRefusal, RefusesAnotherModeAboveSwitchedOn) {
   AxisUnderTest axis;
   axis.write("habit_mode_change_refusal", 2);
   for (const std::uint16_t word : Words<3>{0x0000, 0x0006, 0x0007}) {
@@ -441,7 +441,7 @@ TEST(HabitControlwordLoop, LosesNoWordWhenItIsSwitchedOff) {
 
 // ---- g: power on is delayed --------------------------------------------------------------------
 
-TEST(HabitPowerOnTime, ShowsSwitchedOnMeanwhile) {
+TEST(HabitPowerOnTime, ShowsSwitchedOnUntilPowerIsOn) {
   AxisUnderTest axis;
   axis.write("habit_power_on_time", 200);
   axis.enable();  // tick 1 of 200
@@ -500,7 +500,7 @@ TEST(HabitPowerOnTime, IsTakenBackWithTheMaster) {
   }
 }
 
-TEST(HabitPowerOnTime, TakesNoSetPointMeanwhile) {
+TEST(HabitPowerOnTime, TakesNoSetPointUntilPowerIsOn) {
   AxisUnderTest axis;
   axis.write("habit_power_on_time", 20);
   axis.write("position_user_target_value", 1'000);
@@ -514,7 +514,7 @@ TEST(HabitPowerOnTime, TakesNoSetPointMeanwhile) {
 
 // ---- h: 6061h is delayed -----------------------------------------------------------------------
 
-TEST(HabitModeDisplayDelay, ShowsAndHasTheOldModeMeanwhile) {
+TEST(HabitModeDisplayDelay, ShowsAndHasTheOldModeUntilTheDelayEnds) {
   AxisUnderTest axis;
   axis.enable();
   axis.write("habit_mode_display_delay", 20);
@@ -732,7 +732,7 @@ TEST(HabitModeBeforeEnabling, RefusesTransition4AloneOfThoseOnTheWay) {
   EXPECT_EQ(axis.state(), ready_to_switch_on) << "other commands are ordinary ones";
 }
 
-TEST(HabitModeBeforeEnabling, EnablesWithTheNextControlwordBehindTheMode) {
+TEST(HabitModeBeforeEnabling, EnablesWithTheNextControlwordAfterTheMode) {
   AxisUnderTest axis;
   axis.write("habit_mode_before_enabling", 1);
   axis.command(0x000F);

@@ -109,7 +109,7 @@ struct HardStopRow {
 class HomingStop : public testing::TestWithParam<HardStopRow> {};
 
 // The walls are at -5000 and 5000, the index pulses at multiples of 4096.
-TEST_P(HomingStop, IsHomeOrTheIndexPulseBehindItIs) {
+TEST_P(HomingStop, IsHomeOrTheNextIndexPulseIs) {
   const HardStopRow& row = GetParam();
   for (const std::int32_t offset : {0, 1'000, -12'345}) {
     SCOPED_TRACE(offset);
@@ -184,7 +184,7 @@ TEST(HomingStopTime, IsThatForWhichTheAxisStands) {
   }
 }
 
-TEST(HomingStopTime, BeginsAnewWhenTheStopGivesWay) {
+TEST(HomingStopTime, StartsAgainWhenTheStopGivesWay) {
   AxisAtWall bench(-1, -5'000.0);
   bench.start(-3);
   for (int i = 0; i < 1'000 && bench.contact_at == 0; ++i) bench.tick();

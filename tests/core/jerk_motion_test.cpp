@@ -399,7 +399,7 @@ TEST(LimitedJerk, IsNotInTheStopAtALimitSwitch) {
 
 // Taking back 2048000 UU/s² with a jerk of 4096000 UU/s³ would take 0.5 s and change the speed by
 // 512000 UU/s: backwards, and faster than any limit.
-TEST(LimitedJerk, TakesOfAStopThatEndsInMotionWhatItCanEndBeforeStandstill) {
+TEST(LimitedJerk, KeepsOnlyTheDecelerationItCanEndBeforeStandstill) {
   AxisUnderTest axis;
   axis.write("quick_stop_option_code", 6);
   run_with_jerk(axis);
@@ -417,7 +417,7 @@ TEST(LimitedJerk, TakesOfAStopThatEndsInMotionWhatItCanEndBeforeStandstill) {
   EXPECT_EQ(axis.demand_velocity(), 0);
 }
 
-TEST(LimitedJerk, KeepsItsSpeedBehindAStopThatALimitSwitchLetsGo) {
+TEST(LimitedJerk, KeepsItsSpeedAfterAStopThatALimitSwitchReleases) {
   AxisUnderTest axis;
   run_with_jerk(axis);
   start_move(axis, 0);  // on the near side of the switch

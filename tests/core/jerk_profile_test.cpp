@@ -123,7 +123,7 @@ TEST(JerkProfile, ComesBackFromAnOvershootThatItCannotAvoid) {
   EXPECT_LT(move.duration(), stop.duration() + 0.4) << "0.4 s from rest to rest";
 }
 
-TEST(JerkProfile, BrakesTwiceForATargetALittleBehindTheEndOfItsStop) {
+TEST(JerkProfile, BrakesTwiceForATargetALittlePastTheEndOfItsStop) {
   // 50 units/s at -100 units/s²: 0.45 s down to 5 units/s, 12.375 units, then 0.1 s and 1/6 unit.
   const MotionLimits limits{.velocity = 100.0, .acceleration = 200.0, .deceleration = 100.0};
   const MotionSample start{0.0, 50.0, -100.0};

@@ -310,7 +310,7 @@ TEST(MotionProgramme, FindsTheTextbookMove) {
   EXPECT_NEAR(longer.reach(), 2.060602, 1.0e-9);
 }
 
-TEST(MotionProgramme, BoundsMotionsBesideTheGridToo) {
+TEST(MotionProgramme, BoundsMotionsOffTheGridToo) {
   // With three steps the jerk cannot change after a quarter of the time. The distance that no
   // motion exceeds is still 2 units.
   const MotionLimits wide{.velocity = 9.0, .acceleration = 9.0, .deceleration = 9.0};

@@ -452,12 +452,12 @@ class RotaryRetarget : public testing::Test {
   bool turned_back_ = false;
 };
 
-TEST_F(RotaryRetarget, PositiveReachesATargetBeforeThePlaceOfRestATurnLater) {
+TEST_F(RotaryRetarget, PositiveReachesATargetShortOfTheStopATurnLater) {
   EXPECT_EQ(way_over(2'500, kPositive), 2'500 + kTurn);
   EXPECT_FALSE(turned_back());
 }
 
-TEST_F(RotaryRetarget, PositiveReachesATargetBehindThePlaceOfRestInThisTurn) {
+TEST_F(RotaryRetarget, PositiveReachesATargetPastTheStopInThisTurn) {
   EXPECT_EQ(way_over(3'600, kPositive), 3'600);
   EXPECT_FALSE(turned_back());
 }

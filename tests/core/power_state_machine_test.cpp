@@ -225,7 +225,7 @@ TEST(PowerStateMachine, EveryControlwordInEveryStateFollowsTheReactionMatrix) {
   }
 }
 
-TEST(PowerStateMachine, EveryOptionCodeAndSettingFollowsTheSheet) {
+TEST(PowerStateMachine, EveryOptionCodeAndSettingFollowsTheSpecification) {
   for (const Start& start : kStarts) {
     const PowerStateMachine machine = machine_in(start.state, start.pending);
     for (std::int8_t quick_stop = 0; quick_stop <= 8; ++quick_stop) {

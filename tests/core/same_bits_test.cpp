@@ -75,7 +75,7 @@ std::uint64_t hash_of_default_axes() {
   return hash;
 }
 
-TEST(SameBits, AreThoseOfBeforeInAxesThatUseTheDefaultsAlone) {
+TEST(SameBits, AreUnchangedInAxesThatUseOnlyDefaults) {
   EXPECT_EQ(hash_of_default_axes(), kHashOfDefaultAxes);
 }
 

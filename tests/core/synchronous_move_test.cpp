@@ -476,7 +476,7 @@ TEST_F(TwoAxes, AReferenceWayBeyondTheLimitsIsNotAccepted) {
   }
 }
 
-TEST_F(TwoAxes, HaltAndResumeBehindAStartInMotionStayOnTheStraightLine) {
+TEST_F(TwoAxes, HaltAndResumeAfterAStartInMotionStayOnTheStraightLine) {
   for (std::size_t axis = 0; axis < 2; ++axis) group.write(axis, kJerkTime, 60'000);
   const std::vector<std::int32_t> starts{0, 0};
   const std::vector<std::int32_t> targets{180'000, -60'000};

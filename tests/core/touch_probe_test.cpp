@@ -304,7 +304,7 @@ TEST(TouchProbeFunction, LatchesAndCountsEachEdgeWithBit1) {
   }
 }
 
-TEST(TouchProbeFunction, LatchesAgainWhenBit1IsSetBehindTheFirstEdge) {
+TEST(TouchProbeFunction, LatchesAgainWhenBit1IsSetAfterTheFirstEdge) {
   AxisUnderTest axis;
   axis.write("touch_probe_function", kOn | kRising);
   pulse_input(axis, "test_home_input");
@@ -341,7 +341,7 @@ TEST(TouchProbeFunction, KeepsTheValuesAndClearsTheStatusWhenAProbeIsSwitchedOff
   EXPECT_EQ(falling_edge(axis).time, falling.time);
 }
 
-TEST(TouchProbeFunction, ArmsAProbeAnewWhenItIsSwitchedOffAndOn) {
+TEST(TouchProbeFunction, RearmsAProbeThatIsSwitchedOffAndOn) {
   AxisUnderTest axis;
   axis.write("touch_probe_function", kOn | kRising);
   pulse_input(axis, "test_home_input");
@@ -357,7 +357,7 @@ TEST(TouchProbeFunction, ArmsAProbeAnewWhenItIsSwitchedOffAndOn) {
   EXPECT_EQ(rising_edge(axis).count, 1);
 }
 
-TEST(TouchProbeFunction, ArmsOneEdgeAnewWhenItsBitGoesAndComes) {
+TEST(TouchProbeFunction, RearmsOneEdgeWhenItsBitGoesAndComes) {
   AxisUnderTest axis;
   axis.write("touch_probe_function", kOn | kRising | kFalling);
   pulse_input(axis, "test_home_input");

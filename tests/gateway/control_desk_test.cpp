@@ -181,7 +181,7 @@ TEST_F(ControlOfAGateway, GivesAxesBackAtAGracefulCloseAndAbandonsThemWithALostC
   EXPECT_THAT(ended_, ElementsAre("100 released", "101 abandoned"));
 }
 
-TEST_F(ControlOfAGateway, ForgetsASessionWhoseConnectionClosedMeanwhile) {
+TEST_F(ControlOfAGateway, ForgetsASessionWhoseConnectionHasClosed) {
   bool is_answered = false;
   desk_.take(kFirst, Json::object(), [&](const CallAnswer&) {
     is_answered = true;
@@ -314,7 +314,7 @@ TEST_F(CallsOfServices, AnswerAWrongRequestWithItsReason) {
   EXPECT_EQ(sent.at(0)["message"], "'wrong' is wrong");
 }
 
-TEST_F(CallsOfServices, StopBesideACallThatWaits) {
+TEST_F(CallsOfServices, StopDuringACallThatWaits) {
   EXPECT_EQ(take(kFirst), "");
   (void)server_.take(kFirst);
   send(kFirst, "/move", "{}");

@@ -52,7 +52,7 @@ TEST(EventLog, ForgetsTheOldestEventOfABenchWithTooMany) {
   EXPECT_THAT(ticks(log, 2), ElementsAre(1)) << "the limit is that of one bench";
 }
 
-TEST(EventLog, KeepsAFaultBehindAFloodOfLateTicks) {
+TEST(EventLog, KeepsAFaultAfterAFloodOfLateTicks) {
   EventLog log;
   const auto add = [&](std::uint64_t tick, EventKind kind) {
     Event event = event_at(1, tick);

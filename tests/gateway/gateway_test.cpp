@@ -126,7 +126,7 @@ TEST(GatewayConnection, AnswersInvalidHttpWith400) {
               StartsWith("HTTP/1.1 400"));
 }
 
-TEST(GatewayConnection, AcceptsClientsBesideManySilentConnections) {
+TEST(GatewayConnection, AcceptsClientsDespiteManySilentConnections) {
   const RunningGateway gateway;
   std::vector<std::unique_ptr<SilentConnection>> silent;
   // More connections than the gateway keeps; without a WebSocket, these are 32.

@@ -333,7 +333,7 @@ TEST(BusLog, CountsWhatItCannotUseAndJudgesTheRest) {
   EXPECT_EQ(result.frames.foreign, 1U);
   EXPECT_EQ(result.frames.malformed, 1U);
   EXPECT_EQ(result.frames.unknown_mapping, 1U);
-  EXPECT_THAT(result.notes, Contains("1 line could not be read, the first is line 2"));
+  EXPECT_THAT(result.notes, Contains("1 line could not be read; the first is line 2"));
 }
 
 TEST(BusLog, JudgesOnlyTheNodesThatItIsAskedFor) {
@@ -351,7 +351,7 @@ TEST(BusLog, LeavesADeviceAloneThatSaysItIsNoDrive) {
   EXPECT_THAT(rules_in(type_of_io + remapped_log()), IsEmpty());
 }
 
-TEST(BusLog, IsNoneWithoutAFrame) {
+TEST(BusLog, IsUnreadableWithoutAFrame) {
   EXPECT_FALSE(judged("").is_readable());
   EXPECT_FALSE(judged("PK\x03\x04 this is an archive\nof something\n").is_readable());
   EXPECT_FALSE(judged(std::string(5'000, 'x')).is_readable());

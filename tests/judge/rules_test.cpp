@@ -42,7 +42,7 @@ TEST(Rules, HaveAPlantedMasterEach) {
   for (const RuleRow& row : rules()) EXPECT_TRUE(planted.contains(row.rule)) << row.name;
 }
 
-TEST(Rules, HaveNamesOfTheirOwnAndEveryCell) {
+TEST(Rules, HaveUniqueNamesAndNoEmptyCell) {
   std::set<std::string_view> names;
   for (const RuleRow& row : rules()) {
     EXPECT_TRUE(names.insert(row.name).second) << row.name;

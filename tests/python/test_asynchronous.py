@@ -43,7 +43,7 @@ def join_threads():
             assert not thread.is_alive()
 
 
-def test_a_motion_is_awaited_beside_other_tasks(session):
+def test_a_motion_is_awaited_next_to_other_tasks(session):
     async def run():
         one = session.axis("1.1").start_move(1000, velocity=20000)
         other = session.axis("1.2").start_move(-500, velocity=20000)

@@ -68,7 +68,7 @@ def test_whole_numbers_of_numpy_are_taken():
 
 
 @pytest.mark.dds
-def test_benches_of_two_forms_do_not_go_beside_each_other():
+def test_benches_of_two_forms_cannot_be_combined():
     with vdrive.Bench(axes=1) as local:
         with pytest.raises(vdrive.ConfigurationError, match="in this process.*over DDS"):
             vdrive.Bench(over="dds", number=2, beside=local)

@@ -260,7 +260,7 @@ def test_a_forked_process_of_multiprocessing_is_told_what_to_do(vdrive_session):
     assert vdrive_session.step() > 0
 
 
-def test_a_pool_of_forked_processes_computes_beside_a_session(vdrive_session):
+def test_a_pool_of_forked_processes_computes_next_to_a_session(vdrive_session):
     with multiprocessing.get_context("fork").Pool(2) as pool:
         assert pool.map(abs, range(-4, 0)) == [4, 3, 2, 1]
     assert vdrive_session.step() > 0

@@ -271,7 +271,7 @@ except vdrive.Error as error:
 
 
 @pytest.mark.vdrive(axes=1000, clock="realtime")
-def test_a_halt_is_not_refused_for_a_state_of_before_the_call(vdrive_bench, vdrive_session):
+def test_a_halt_is_not_refused_for_a_state_before_the_call(vdrive_bench, vdrive_session):
     axis = vdrive_session.axis("1.1")
     program = textwrap.dedent(HALTING).format(domain=vdrive_bench.domain)
     clients = [subprocess.Popen([sys.executable, "-c", program], stdin=subprocess.PIPE,

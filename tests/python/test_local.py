@@ -58,7 +58,7 @@ def test_a_bad_configuration_names_file_and_line(tmp_path):
         vdrive.Bench(axes=20000)
 
 
-def test_benches_beside_each_other_are_met_by_one_session_and_step_together():
+def test_several_benches_are_found_by_one_session_and_step_together():
     with vdrive.Bench(axes=1) as first, vdrive.Bench(axes=1, number=2, beside=first) as second:
         with first.session() as session:
             assert [bench.number for bench in session.find_benches()] == [1, 2]

@@ -238,7 +238,7 @@ def test_events_describe_state_changes(vdrive_session):
         assert (event.bench, event.axis) == (1, 1) and event.code == axis.status().error_code != 0
 
 
-def test_status_arrives_in_an_asyncio_loop_beside_its_other_tasks(vdrive_session):
+def test_status_arrives_in_an_asyncio_loop_next_to_other_tasks(vdrive_session):
     async def watch(stream):
         seen = []
         async for sample in stream:

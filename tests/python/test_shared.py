@@ -135,7 +135,7 @@ def test_after(vdrive_shared_bench, vdrive_shared_session):
 
 
 @OVER
-def test_a_bench_that_a_test_ends_is_made_anew(pytester, over):
+def test_a_bench_that_a_test_ends_is_made_again(pytester, over):
     run(pytester, over, """
 def test_ends_it(vdrive_shared_bench):
     vdrive_shared_bench.close()
@@ -189,7 +189,7 @@ def test_after(vdrive_shared_session):
 """, passed=2)
 
 
-def test_a_bench_that_a_failed_test_made_beside_the_shared_one_ends_with_it(pytester):
+def test_a_bench_that_a_failed_test_made_next_to_the_shared_one_ends_with_it(pytester):
     run(pytester, "local", """
 def test_fails(vdrive_shared_bench):
     beside = vdrive.Bench(number=2, beside=vdrive_shared_bench)

@@ -89,7 +89,7 @@ TEST(BenchMotion, MovesTwoJointsInTheSameFrames) {
   EXPECT_FALSE(fake.motion().is_busy());
 }
 
-TEST(BenchMotion, SendsAVelocityBehindThePositionsThatAreOnTheirWay) {
+TEST(BenchMotion, SendsAVelocityAfterThePositionsThatAreOnTheirWay) {
   Commanded fake;
   fake.command(0, CommandInterface::position, 1.0);
   (void)fake.drive().take_sent();

@@ -217,7 +217,7 @@ TEST(StepRequest, ReportsAMissingStepperAndThePresentStatus) {
   EXPECT_EQ(reply->statuses.size(), 1U);
 }
 
-TEST(StepRequest, BesideSteppersMayOnlyObserve) {
+TEST(StepRequest, OfANonStepperMayOnlyObserve) {
   EngineUnderTest bench;
   join(bench, kAlice);
   EXPECT_EQ(answer_to(bench, step_request(bench, kBob, 1)).reason, msg::Reason::not_a_stepper);

@@ -165,7 +165,7 @@ TEST_F(MetricsTest, CountRefusalsByTheirReason) {
   EXPECT_THAT(answer, AllOf(HasSubstr("reason=\"0x08000021, "), HasSubstr("local control\"} 2\n")));
 }
 
-TEST_F(MetricsTest, StandBesideTheAnswersToProbes) {
+TEST_F(MetricsTest, AreServedWithTheAnswersToProbes) {
   EXPECT_THAT(http_get(sut_.port(), "/livez"),
               AllOf(StartsWith("HTTP/1.1 200"), EndsWith("\r\n\r\nbench 4 is alive\n")));
   EXPECT_THAT(http_get(sut_.port(), "/readyz"),
@@ -223,7 +223,7 @@ class IdleConnections {
   std::vector<int> connections_;
 };
 
-TEST_F(MetricsTest, AreServedWithinASecondBesideAHundredIdleClients) {
+TEST_F(MetricsTest, AreServedWithinASecondDespiteAHundredIdleClients) {
   for (const char* const words :
        {"", "GET /metrics HTTP/1.1\r\n", "GET /metrics HTTP/1.1\r\n\r\n"}) {
     const IdleConnections idle(sut_.port(), 100, words);

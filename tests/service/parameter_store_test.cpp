@@ -724,7 +724,7 @@ TEST(StateDirectoryRights, AreRefusedWhereEverybodyMayWriteAndStayAsTheyAre) {
   EXPECT_EQ(rights_of(directory.path()), fs::perms{01777});
 }
 
-TEST(StateDirectoryRights, MayBeReachedThroughALinkOfItsOwnUserAndItsFilesMayNot) {
+TEST(StateDirectoryRights, MayBeReachedThroughALinkOfTheSameUserAndItsFilesMayNot) {
   const TemporaryDirectory parent;
   const fs::path real = parent.path() / "real";
   const fs::path link = parent.path() / "link";

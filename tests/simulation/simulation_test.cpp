@@ -287,7 +287,7 @@ TEST(AxisWatch, DetectsAJerkBeyondTheLimit) {
 }
 
 // The demand is at 4 + 8 + 12 + 12 = 36 UU/s when it jumps to rest, where transition 4 begins.
-TEST(AxisWatch, AllowsAnAxisThatIsEnabledAnewBetweenTwoTicksToBeginAtRest) {
+TEST(AxisWatch, AllowsAnAxisThatIsEnabledAgainBetweenTwoTicksToBeginAtRest) {
   const std::vector<std::int32_t> changes{4, 8, 12, 12, -36};
   for (const test::AxisCauses& causes : {test::AxisCauses{.commanded = true, .switched_off = true},
                                          test::AxisCauses{.commanded = true, .cycled = true}}) {
@@ -350,7 +350,7 @@ TEST(AxisWatch, DetectsAModuloAxisThatJumps) {
 }
 
 // 16 ticks have at most 272 edges.
-TEST(ProbeWatch, AllowsCountersThatOverflowOrBeginAnew) {
+TEST(ProbeWatch, AllowsCountersThatOverflowOrStartAgain) {
   struct Counts {
     std::uint16_t before;
     std::uint16_t now;

@@ -83,7 +83,7 @@ TEST_F(JudgeCommandTest, TellsEachFindingOnceWorstFirstWithTheTableAroundIt) {
   EXPECT_THAT(done.output, HasSubstr("  > "));
   EXPECT_THAT(done.output, HasSubstr("not judged:\n"));
   EXPECT_THAT(done.output,
-              HasSubstr("RPDO 1 of node 5 is taken for 6040h, the default of CiA 402"));
+              HasSubstr("RPDO 1 of node 5 is assumed to map 6040h, the default of CiA 402"));
 }
 
 TEST_F(JudgeCommandTest, ExitsByTheSeverityThatItIsToldToFailOn) {

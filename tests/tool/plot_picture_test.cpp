@@ -174,7 +174,7 @@ TEST(PlotPicture, HasTitleStatesFaultUnitsAndLegend) {
   EXPECT_THAT(svg, testing::EndsWith("</svg>\n"));
 }
 
-TEST(PlotPicture, FollowsTheSchemeOfTheViewerOnPaperOfItsOwn) {
+TEST(PlotPicture, FollowsTheColourSchemeOfTheViewerOnItsOwnBackground) {
   const std::string svg = plot_svg(faulted_traces(), {.title = "x", .origin = 1'000});
   EXPECT_THAT(
       svg, AllOf(HasSubstr("@media (prefers-color-scheme:dark)"), HasSubstr("<rect class=\"p\"")));

@@ -245,7 +245,7 @@ TEST(ArrivalLine, HasTheTypedNameAndNoSpeed) {
             "enabled: target reached");
 }
 
-TEST(Dictionary, OfANodeHasCommunicationObjectsBesideTheRows) {
+TEST(Dictionary, OfANodeHasCommunicationObjectsNextToTheRows) {
   std::size_t of_the_drive = 0;
   Json controlword;
   Json device_name;

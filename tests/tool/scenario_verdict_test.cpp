@@ -54,7 +54,7 @@ TEST(ScenarioVerdict, OfAFileWhoseLinesWereNotAllCarriedOutIsNoPass) {
   }
 }
 
-TEST(ScenarioVerdict, SkipsTheLinesBehindAFailure) {
+TEST(ScenarioVerdict, SkipsTheLinesAfterAFailure) {
   const ScenarioVerdict sut = verdict_of(
       scenario_of_two_lines(), {.code = 5,
                                 .output = R"({"line":2,"outcome":"refused","message":"not yours"})",
@@ -139,7 +139,7 @@ TEST(ScenarioVerdict, NamesTheSignalThatEndedTheProcess) {
   EXPECT_EQ(sut.suite.cases[0].type, "not_run");
 }
 
-TEST(ScenarioVerdict, HasACaseForACrashBehindTheFirstLine) {
+TEST(ScenarioVerdict, HasACaseForACrashAfterTheFirstLine) {
   const ScenarioVerdict sut = verdict_of(
       scenario_of_two_lines(),
       {.code = -11, .output = R"({"line":2,"outcome":"ok","seconds":0.5})", .errors = ""});

@@ -43,7 +43,7 @@ TEST(TopicRows, HaveTheNumberThatTheirMessageGives) {
   EXPECT_EQ(topic_numbered(kTopics.size()), std::nullopt);
 }
 
-TEST(TopicRows, HaveNamesOfTheirOwn) {
+TEST(TopicRows, HaveUniqueNames) {
   Names names;
   for (const TopicTraits& topic : kTopics) names.emplace(topic.name);
   EXPECT_EQ(names.size(), kTopics.size());

@@ -135,7 +135,7 @@ void McapReader::check_sums(const McapRecord& record, std::string_view head) {
   if (record.opcode == Opcode::data_end) {
     const auto expected = BodyReader(record.body, where(record)).get<std::uint32_t>();
     if (expected != 0 && expected != crc_) {
-      throw RecordingError("the data in front of " + where(record) + " has a wrong checksum");
+      throw RecordingError("the data before " + where(record) + " has a wrong checksum");
     }
     crc_ = 0;
     return;
@@ -146,7 +146,7 @@ void McapReader::check_sums(const McapRecord& record, std::string_view head) {
     const std::string_view summed = body.take(kSummed);
     const auto expected = body.get<std::uint32_t>();
     if (expected != 0 && expected != crc_of(summed, crc_of(head, crc_))) {
-      throw RecordingError("the summary in front of " + where(record) + " has a wrong checksum");
+      throw RecordingError("the summary before " + where(record) + " has a wrong checksum");
     }
   }
   crc_ = crc_of(record.body, crc_of(head, crc_));

@@ -283,7 +283,7 @@ class StatusReader {
     BodyReader body(record.body, where(record));
     const auto id = body.get<std::uint16_t>();
     if (!known_.contains(id)) {
-      throw RecordingError(where(record) + " is of the channel " + std::to_string(id) +
+      throw RecordingError(where(record) + " refers to channel " + std::to_string(id) +
                            ", which does not exist");
     }
     contents_.events += logs_.contains(id) ? 1U : 0U;

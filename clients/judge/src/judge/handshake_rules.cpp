@@ -103,7 +103,7 @@ void HandshakeRules::rise(std::uint16_t word, const Context& context) {
   if (track.shows(Statusword::kSetPointAcknowledge) && has_taken_ && is_of_this_mode) {
     context.report(Rule::handshake_before_acknowledge_fell, [&] {
       return "bit 4 rose while 6041h was " + hex_text(track.statusword) +
-             ": bit 12 is up, so the drive cannot see a new set-point";
+             ": bit 12 is still 1, so the drive cannot see a new set-point";
     });
   } else {
     ++stream_edges_;

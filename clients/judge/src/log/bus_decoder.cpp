@@ -376,12 +376,12 @@ void BusDecoder::take_pdo(Time now, Node& node, const PdoRef& ref, const Frame& 
   if (!fits) {
     ++counts_.unknown_mapping;
     ++node.assumed[pdo_name(ref) + " has " + std::to_string(frame.size) +
-                   " bytes, which its mapping does not explain: give the data sheet by --eds, or a "
+                   " bytes, which does not match its mapping: give the data sheet by --eds, or a "
                    "log that begins before the configuration"];
     return;
   }
   if (is_assumed) {
-    ++node.assumed[pdo_name(ref) + " is taken for " + entries_text(*pdo) +
+    ++node.assumed[pdo_name(ref) + " is assumed to map " + entries_text(*pdo) +
                    ", the default of CiA 402: the log does not show its mapping"];
   }
   if (ref.direction == PdoDirection::receive) {

@@ -130,13 +130,13 @@ class LogJudge {
           "no time stamps: rules about durations were not judged; record with candump -L");
     }
     note(lines.broken, "line", "lines",
-         "could not be read, the first is line " + std::to_string(lines.first_broken));
+         "could not be read; the first is line " + std::to_string(lines.first_broken));
     note(lines.foreign, "line", "lines", "skipped: CAN FD, error frames, messages of the logger");
     note(lines.backwards, "time stamp", "time stamps",
          "earlier than the one before: the time was assumed to continue from there");
     note(
         lines.other_interfaces, "frame", "frames",
-        "skipped, from other interfaces than " + in_quotes(interface_) + ": give a log of one bus");
+        "skipped, from interfaces other than " + in_quotes(interface_) + ": give a log of one bus");
     note(result_.frames.foreign, "frame", "frames",
          "skipped, with an identifier that CANopen does not use");
     note(result_.frames.other_nodes, "frame", "frames", "skipped, of other nodes");

@@ -105,7 +105,8 @@ class JournalJudge final : public service::ReplayObserver {
                               (gaps_ == 1 ? " place" : " places"));
     }
     if (!is_complete && gaps_ == 0) {
-      result_.notes.emplace_back("the journal ends early: its bench was killed, or still runs");
+      result_.notes.emplace_back(
+          "the journal ends early: its bench was killed, or is still running");
     }
     result_.verdict = judge_->end(is_over_ || is_complete);
     return std::move(result_);
@@ -180,7 +181,7 @@ JournalVerdict judge_journal(std::istream& journal, std::optional<std::uint32_t>
   const service::ReplayResult result = service::replay(
       journal, {.threads = threads, .check_interval = kTicksACheck, .observer = &judge});
   if (!result.agrees) {
-    throw std::runtime_error("its drives do not do again what it recorded: " + result.text);
+    throw std::runtime_error("the replay differs from it: " + result.text);
   }
   return judge.end(result.is_complete);
 }
