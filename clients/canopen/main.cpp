@@ -6,6 +6,6 @@
 
 int main(int argument_count, char** arguments) {
   vdrive::bridge::open_standard_streams();
-  // Everything is released. Skips static destructors: one of the DDS library would sleep 100 ms.
+  // Everything has been released. Skips static destructors: one in the DDS library sleeps 100 ms.
   std::quick_exit(vdrive::canopen::run_command_line(argument_count, arguments));
 }

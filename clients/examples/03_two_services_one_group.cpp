@@ -33,7 +33,7 @@ int main(int argc, char** argv) {
   }
 
   // Both sides are at the same position in every tick, unless a machine is so busy that its bench
-  // has to skip ticks (see the event of the jump): then that side lags behind.
+  // has to skip ticks, which it reports as an event: then that side lags.
   double skew = 0.0;
   GroupMoveOptions move;
   move.call.progress = [&skew](const GroupProgress& seen) {

@@ -78,7 +78,7 @@ int main(int argc, char** argv) {
   for (const double degrees : {90.0, 180.0}) {
     const auto target = static_cast<std::int32_t>(degrees / 360.0 * kUnitsPerRevolution);
     MoveOptions move{.velocity = 4096, .acceleration = 16'384, .deceleration = 16'384, .call = {}};
-    move.call.until = Until::in_force;  // the loop below waits, not the call
+    move.call.until = Until::in_force;  // follow() waits, not the call
     if (const Outcome started = axis->move_to(target, move); !started) {
       std::cerr << started.message() << '\n';
       return 1;

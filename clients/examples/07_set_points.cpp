@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// A controller of your own: it plans the positions itself and sends them ahead, each for the tick
-// in which it takes effect (cyclic synchronous position, 6060h = 8). No call waits for an answer;
-// the status shows the effect of the set-points.
+// A master of your own: it plans the positions itself and sends them ahead, each for the tick in
+// which it takes effect (cyclic synchronous position, 6060h = 8). No call waits for an answer; the
+// status shows the effect of the set-points.
 //
 //   vdrived --clock lockstep &
 //   07_set_points [domain]
@@ -22,7 +22,7 @@ using namespace vdrive::client;
 namespace {
 
 constexpr int kTicks = 2000;          // of 1 ms
-constexpr int kAhead = 100;           // set-points sent at a time; a bench keeps 1,024, up to 10 s
+constexpr int kAhead = 100;           // sent at a time; a bench keeps 1,024, up to 10 s ahead
 constexpr double kDistance = 4096.0;  // [UU]
 
 /// A smooth motion over kDistance, at rest at both ends.
@@ -31,7 +31,7 @@ std::int32_t offset_at(int tick) {
   return static_cast<std::int32_t>(std::lround(kDistance * (1.0 - std::cos(phase)) / 2.0));
 }
 
-/// The mode changes while the axis is at rest; the axis follows from its first position on.
+/// Changes the mode while the axis is at rest; the set-points then start from its position.
 void begin_following(Session& session, Axis& axis) {
   const SetPointFrame mode{.axes = {{.axis = axis.id().axis,
                                      .mode = vdrive::OperatingMode::cyclic_synchronous_position}}};

@@ -27,7 +27,7 @@ static uint32_t epoch;                 // proves that we hold the axis
 static uint64_t sequence, commanded;   // number of the last frame; of the last with a command
 static uint16_t axis = 1, awaited;     // our axis; the statusword that we wait for
 static vdrive_msg_Request request = {.bench = kBench};  // the pending one
-static vdrive_msg_AxisStatus shown;  // status of our axis; its sequence is not kept
+static vdrive_msg_AxisStatus shown;                     // last status of our axis
 
 static void fail(const char* what) {
   fprintf(stderr, "raw_dds: %s\n", what);
@@ -141,7 +141,7 @@ static void send_frame(vdrive_msg_AxisCommand* command) {
   checked(dds_write(commands, &frame));
 }
 
-// 5. The status of the axis. The watchdog expects a frame every 100 ms: each check sends one.
+// 5. The status of the axis. Each check, every 5 ms, sends a keep-alive for the watchdog.
 static bool status_shown(void) {
   static void* reply = NULL;
   static void* sample = NULL;
@@ -178,7 +178,7 @@ int main(int argc, char** argv) {
   benches = reader("vdrive/v1/bench", &vdrive_msg_BenchDescription_desc, kLastValue);
   statuses = reader("vdrive/v1/status", &vdrive_msg_StatusFrame_desc, kStream);
   command_replies = reader("vdrive/v1/command_reply", &vdrive_msg_CommandReply_desc, kQueue);
-  replies = reader("vdrive/v1/reply", &vdrive_msg_Reply_desc, kQueue);  // last: see the document
+  replies = reader("vdrive/v1/reply", &vdrive_msg_Reply_desc, kQueue);  // last: see wire.md
   commands = writer("vdrive/v1/command", &vdrive_msg_CommandFrame_desc);
   requests = writer("vdrive/v1/request", &vdrive_msg_Request_desc);
   wait_until(service_receives, 10, "service found");
@@ -189,7 +189,7 @@ int main(int argc, char** argv) {
       .members = vdrive_msg_HAS_OP_MODE_CMD | vdrive_msg_HAS_POSITION_USER_TARGET_VALUE,
       .op_mode_cmd = 1,
       .position_user_target_value = kTarget};
-  send_frame(&move);  // registers; the set-point edge in the last word starts the move
+  send_frame(&move);  // only writes the objects; bit 4 of 003Fh starts the move
   send_controlword(0x0F, 0x637, "operation enabled");
   send_controlword(0x3F, kReached, "target reached");
   printf("position %" PRId32 "\n", shown.load_position_actual_value);

@@ -71,8 +71,8 @@ class Connection final : public std::enable_shared_from_this<Connection> {
   vdrive::BoundedQueue<std::string> output_{kMostWaitingLines, vdrive::WhenFull::refuses_newest};
 };
 
-/// The answer to a line, sent once nobody can change it any more: even a job that is dropped with
-/// its bench is answered. Any thread.
+/// The answer to a line, sent by the destructor: even a job that is dropped with its bench is
+/// answered. For any thread.
 class Answer final {
  public:
   Answer(asio::io_context& loop, std::shared_ptr<Connection> connection)

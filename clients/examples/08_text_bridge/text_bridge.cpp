@@ -61,7 +61,7 @@ constexpr bridge::AxisJobs::Kind kStop = 1;
 
 using AnswerPointer = std::shared_ptr<Answer>;
 
-/// A bench served by the bridge: the state from the threads of its link, for the thread of the
+/// A bench served by the bridge. Passes the state from the threads of its link to the thread of the
 /// loop.
 class TextBench final : public bridge::BenchAdapter {
  public:
@@ -121,7 +121,7 @@ class TextBridge final : private bridge::BenchHost {
   TextBridge(const client::SessionOptions& options, std::uint16_t port)
       : session_(options), acceptor_(loop_), find_timer_(loop_), signals_(loop_, SIGINT, SIGTERM) {
     bridge::listen_on(acceptor_, "127.0.0.1", port, "127.0.0.1:" + std::to_string(port));
-    // A bench that announces its end is removed immediately, one that falls silent after a minute.
+    // A bench that announces its end is removed immediately; one that falls silent, after a minute.
     session_.watch_services([this](const client::ServiceChange& change) {
       roster_.note(change, bridge::Roster::Clock::now());
       asio::post(loop_, [this] {
@@ -181,7 +181,7 @@ class TextBridge final : private bridge::BenchHost {
 
   void remove(std::uint32_t bench, bool /*is_replaced*/) override {
     *is_served_.extract(bench).mapped() = false;
-    // Its calls may wait for the bench, so they must not run on the thread of the loop.
+    // Destroying it may wait for the bench, so that must not happen on the thread of the loop.
     (void)closer_.post([ending = benches_.extract(bench).mapped()] {});
     tell_all("bench " + std::to_string(bench) + " has gone");
   }

@@ -17,7 +17,7 @@ namespace vdrive::recording {
 /// The first and the last bytes of a file.
 inline constexpr std::string_view kMcapMagic{"\x89MCAP0\r\n", 8};
 
-/// Opcode and length in front of a body [bytes].
+/// Size of the opcode and length that precede a body [bytes].
 inline constexpr std::size_t kMcapHead = 9;
 
 enum class Opcode : std::uint8_t {

@@ -13,8 +13,8 @@
 namespace vdrive::recording {
 namespace {
 
-// Writers make chunks of 1 to 4 MiB. Limited, because a file of a few kB may claim any size; a
-// chunk of the largest size takes twice as much memory.
+// The largest chunk that is read. Limited, because a file of a few kB may claim any size; writers
+// make chunks of 1 to 4 MiB. Reading a chunk takes up to twice its size in memory.
 constexpr int kLargestWindow = 26;                                           // power of two [bytes]
 constexpr std::uint64_t kLargestChunk = std::uint64_t{1} << kLargestWindow;  // [bytes]
 constexpr std::size_t kStep = std::size_t{1} << 20U;                         // [bytes]

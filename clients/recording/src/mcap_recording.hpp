@@ -16,7 +16,7 @@ namespace vdrive::recording {
 /// time. A bench with few axes has one topic per axis, a bench with many axes one topic for all.
 class McapRecording : public Writer {
  public:
-  /// Most axes of a bench for which each has a topic.
+  /// The most axes of a bench that get a topic each.
   static constexpr std::size_t kMostTopics = 16;
 
   /// @param version of the program, as information for readers

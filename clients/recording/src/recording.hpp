@@ -45,8 +45,8 @@ struct RecordedBench {
 [[nodiscard]] RecordedBench describe(const client::BenchInfo& bench,
                                      const std::vector<client::AxisId>& axes);
 
-/// Sets the topics of the axes of a bench, whose ids and names must be set, as the gateway names
-/// them.
+/// Gives the axes of a bench the topics that the gateway would give them. Their ids and names must
+/// be set.
 void name_topics(RecordedBench& bench);
 
 /// @param name, size of a unit as written in a recording: "mm", and [UU] per unit or per revolution
@@ -145,7 +145,8 @@ class Writer {
 
   virtual void parameters(const bridge::ParameterImage& image) = 0;
 
-  /// @param now the present time: data added some time before it is written to the file
+  /// Writes data to the file that has waited for some time.
+  /// @param now the present time
   virtual void flush(Clock::time_point now) = 0;
 
   /// Last call.

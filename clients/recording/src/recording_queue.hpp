@@ -35,7 +35,7 @@ class RecordingQueue {
   RecordingQueue(const RecordingQueue&) = delete;
   RecordingQueue& operator=(const RecordingQueue&) = delete;
 
-  /// Any thread.
+  /// May be called by any thread.
   void push(client::Observation sample);
   void push(const client::Event& event);
 

@@ -20,7 +20,7 @@ class SampleOrder {
   void note(const client::AxisId& axis, std::uint64_t tick);
 
   /// @param last the last sample of the recording
-  /// @return which axes it lacks compared with the previous sample of its bench, such as "the tick
+  /// @return how many axes it has compared with the previous sample of its bench, such as "the tick
   ///         7 of bench 1 has 1 of 2 axes"; empty if it is complete.
   [[nodiscard]] std::string shortage(const client::Observation& last) const;
 

@@ -62,7 +62,7 @@ bool names_a_bus(const Arguments& arguments) {
          describes_benches(arguments);
 }
 
-/// Gives each bench its offset, or the only offset to all.
+/// Gives each bench its offset, or all benches the only one.
 void set_offsets(const std::vector<std::int32_t>& offsets, std::vector<BenchSetting>& benches) {
   if (offsets.size() > 1 && offsets.size() != benches.size()) {
     throw ConfigurationError("--node-offset is given " + std::to_string(offsets.size()) +

@@ -32,12 +32,12 @@ struct Arguments {
 
 /// @return the text of an option; empty if it was not given.
 /// @throws settings::ConfigurationError for an empty text, for example from an unset shell
-///         variable: it would otherwise have the effect of no option
+///         variable: the option would otherwise seem to be absent
 [[nodiscard]] std::string text_of_option(const char* option,
                                          const std::optional<std::string>& text);
 
-/// Applies the options over the settings of the file. Options of a bus are allowed only if there is
-/// one bus; they replace its settings.
+/// Applies the options, which override the settings of the file. Options of a bus are allowed only
+/// if there is one bus.
 /// @throws settings::ConfigurationError with option, value and limit
 void apply_arguments(const Arguments& arguments, Settings& settings);
 

@@ -40,7 +40,7 @@ class BenchDrives::Link final : public bridge::BenchAdapter {
  public:
   /// News of the bench since the last take_news().
   struct News {
-    bool was_lost = false;  ///< before `newest`, which then belongs to the new start
+    bool was_lost = false;  ///< `newest` is then from after the bench came back
     State newest{};         ///< none = no news
     DriveTime time{};       ///< of `newest`
   };
@@ -92,7 +92,7 @@ class BenchDrives::Link final : public bridge::BenchAdapter {
   std::mutex mutex_;  ///< guards news_ and are_news_
   News news_;
   bool are_news_ = false;               ///< notify_ was called for news_
-  std::chrono::microseconds period_{};  ///< used by the following thread only
+  std::chrono::microseconds period_{};  ///< for the thread that follows the bench
   bridge::BenchLink link_;              ///< last: its threads use the other members
 };
 

@@ -102,7 +102,7 @@ void add_counters(NodeCounters& sum, const NodeCounters& more) {
   sum.held_back_emergencies += more.held_back_emergencies;
 }
 
-/// A node and its actions, which are kept until its call has ended.
+/// A node, and the actions it asks for, which are carried out once its call has returned.
 class BenchNodes::Slot final : public NodeHost {
  public:
   Slot(BenchNodes& nodes, std::size_t place, const NodePlace& ids)
@@ -225,8 +225,8 @@ class BenchNodes::Slot final : public NodeHost {
   }
 
   void set_connection_lost(bool is_lost) override {
-    // An axis that another session controls does not lose its master now. The loss is reported when
-    // control is back and the master is not.
+    // An axis that another session controls does not lose its master now. The loss is reported if
+    // the node still has no master when control is back.
     is_loss_untold_ = is_lost && !is_owned_;
     if (is_loss_untold_) return;
     nodes_.drive_calls_.emplace_back([&drives = nodes_.drives_, place = place_, is_lost] {
@@ -497,7 +497,7 @@ void BenchNodes::send(const Outgoing& outgoing) {
 
 void BenchNodes::send_now(const Outgoing& outgoing) {
   const std::uint64_t number = bus_.send(outgoing.frame, this);
-  // The bus delivers it to the other ports; the other nodes of this port receive it too.
+  // The bus delivers it to the other ports only; the other nodes of this port receive it here.
   if (is_running_) {
     receive({.frame = outgoing.frame, .number = number, .sender = outgoing.place});
   }

@@ -42,12 +42,13 @@ class NodeDrives {
   /// The first set-point is ready for BenchNodes::take_set_points().
   virtual void note_set_points() = 0;
 
-  /// Reads objects that TPDOs carry and the status does not contain. BenchNodes::take_values() is
-  /// the answer, even without any value. A node asks again only after it has its answer.
+  /// Reads objects that TPDOs carry and the status does not contain. Answer with
+  /// BenchNodes::take_values(), even if no value could be read: a node asks again only after it has
+  /// its answer.
   virtual void read(std::size_t place, std::uint32_t ticket,
                     const std::vector<ObjectAddress>& objects) = 0;
 
-  /// All nodes have received a SYNC, which lets Options::sync_period pass.
+  /// All nodes have received a SYNC: time advances by Options::sync_period.
   virtual void pass_sync() {}
 };
 

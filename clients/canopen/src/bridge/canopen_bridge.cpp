@@ -138,7 +138,7 @@ void CanopenBridge::find_later() {
   });
 }
 
-/// PDOs have no answer: this count is where users find refused values.
+/// PDOs have no answer, so refused values show only in these counts.
 void CanopenBridge::count_refusals() {
   for (const RefusedSetPoints::Count& entry : refused_.take()) {
     for (const auto& bus : buses_) bus->note_refused_set_points(entry.refusal, entry.count);

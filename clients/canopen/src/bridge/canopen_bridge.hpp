@@ -62,7 +62,7 @@ class CanopenBridge final {
   /// @return false if frames are missing from a log
   [[nodiscard]] bool flush_logs();
 
-  /// Reports a log message of the DDS library. For any thread except those that receive.
+  /// Reports a log message of the DDS library. For any thread except the receiving ones of DDS.
   void report_library(const std::string& words);
 
  private:

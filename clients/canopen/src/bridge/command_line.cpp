@@ -123,7 +123,7 @@ void complete(CommandLine& line) {
   complete_settings(settings);
   check_private_benches(settings);
   settings.session.find_timeout = bridge::find_timeout_of(settings.session);
-  // A master must not act on an older state: the nodes of a silent bench leave the bus.
+  // A master must not act on a stale state: the nodes of a silent bench leave the bus.
   settings.session.patience = settings.session.silence;
 }
 

@@ -74,7 +74,7 @@ class StoreFile final {
  public:
   /// @param flags as for open(2); a new file is accessible to this user only
   StoreFile(const std::filesystem::path& path, int flags)
-      // NOLINTNEXTLINE(*-vararg): what the system offers
+      // NOLINTNEXTLINE(*-vararg): open(2) is variadic
       : number_(::open(path.c_str(), flags | O_CLOEXEC, kStoreFileMode)) {
     require_done(number_ >= 0);
   }

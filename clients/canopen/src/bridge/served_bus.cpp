@@ -129,7 +129,7 @@ void ServedBus::find(const std::vector<client::BenchInfo>& present, Clock::time_
   }
 }
 
-/// The nodes of the known bench continue as those of the found one.
+/// @return whether the nodes of the known bench continue as those of the found one.
 bool ServedBus::continues(const client::BenchInfo& known, const client::BenchInfo& found) const {
   return known.clock_mode == found.clock_mode && known.period == found.period &&
          bridge::are_same_axes(known.axes, found.axes);
@@ -178,7 +178,7 @@ void ServedBus::remove(std::uint32_t bench, bool /*is_replaced*/) {
   add_counters(ended_, served->second.nodes().counters());
   if (served->second.drives) {
     dropped_set_points_ += served->second.drives->dropped_set_points();
-    // Calls of the link may block on the bench that has gone: not in the thread of the bus.
+    // The link is destroyed in another thread: that may block on the bench that has gone.
     (void)shared_.closer.post([ending = served->second.drives->close()] {});
   }
   benches_.erase(served);
@@ -196,7 +196,7 @@ void ServedBus::note_refused_set_points(const client::SetPointRefusal& refusal,
   }
   const std::uint8_t node = node_id_of(refusal.axis, offset_of(refusal.axis.bench));
   constexpr std::size_t kAbortDigits = 8;
-  // The report has no value, so that equal reports are limited to one per second.
+  // The report leaves out the value: equal reports are limited to one per second.
   shared_.reports.report(bridge::Severity::warning, label_ + ": node " + std::to_string(node),
                          "the drive refuses the value of a PDO for " +
                              address_text(refusal.object) + ": " +

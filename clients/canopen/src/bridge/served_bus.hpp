@@ -71,8 +71,8 @@ class ServedBus final : public BusHost, private bridge::BenchHost {
   /// @return one line for each bench that is left out, with the reason.
   [[nodiscard]] std::vector<std::string> left_out() const;
 
-  /// @return such as "bus 1: 3 nodes (1 to 3), socketcand 127.0.0.1:29536, no gateway". It also
-  ///         names the kinds of server that are absent: naming one kind replaces the default one.
+  /// @return such as "bus 1: 3 nodes (1 to 3), socketcand 127.0.0.1:29536, no gateway". It names
+  ///         absent kinds of server too, because setting up one kind switches the default one off.
   [[nodiscard]] std::string description() const;
 
   /// Flushes the log of the bus.

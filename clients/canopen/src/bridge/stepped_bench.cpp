@@ -137,7 +137,7 @@ client::Outcome SteppedBench::step() {
     if (!passed) return passed.outcome();
     reached_ = passed->front();
   }
-  // The answer to the last tick contains the axes.
+  // The follower steps the last tick, because it returns the axes.
   client::Outcome shown = follower_->next(kStepPatience, sample_);
   if (shown) reached_ = sample_.tick;
   return shown;

@@ -19,8 +19,8 @@ namespace vdrive::canopen {
 /// Connects nodes to a lock-step bench on which each SYNC advances time by one period: the nodes
 /// send the values sampled at SYNC n, the set-points received before it are handed over in one
 /// frame, time passes, and the nodes get the new states. Between two SYNCs time stands still, and
-/// requests of the nodes to their drives are carried out immediately. For the thread of the bus;
-/// there is no other, so waiting for the bench blocks it.
+/// requests of the nodes to their drives are carried out immediately. For the thread of the bus,
+/// which is blocked while it waits for the bench.
 class SteppedBench final : private NodeDrives {
  public:
   /// Wall time that a SYNC waits for other steppers of the clock. If they take longer, time has not
@@ -29,7 +29,7 @@ class SteppedBench final : private NodeDrives {
 
   /// @param parts all outlive this object
   /// @param places one for each axis of `info`, in the same order
-  /// @param period drive time of a SYNC
+  /// @param period drive time that a SYNC advances
   SteppedBench(const BusParts& parts, const client::BenchInfo& info,
                std::span<const NodePlace> places, std::string label,
                std::chrono::microseconds period);

@@ -18,8 +18,6 @@ constexpr std::chrono::milliseconds kLongestSdoTimeOut{65'535};
 // For "info version" (CiA 309-1): a gateway that is the NMT master of its network.
 constexpr unsigned kGatewayClass = 3;
 
-// Identifiers of the predefined connection set (CiA 301, 7.3.5), without the node id.
-
 struct NmtRow {
   GatewayVerb verb{};
   std::uint8_t specifier = 0;
@@ -357,8 +355,9 @@ void AsciiGateway::answer_error(GatewaySession id, std::uint32_t sequence,
   answer(id, sequence, error_text(error));
 }
 
-/// Format: vendor product revision serial class protocol implementation; revisions as major.minor;
-/// the protocol version of CiA 309-1 and 309-3 that public gateways report.
+/// Vendor, product, revision (major.minor), serial number, gateway class, protocol version,
+/// implementation version. The protocol version is the one that public gateways report for CiA
+/// 309-1 and 309-3.
 std::string AsciiGateway::version_text() const {
   constexpr std::string_view kVersions = " 2.1 2.1";
   return std::to_string(settings_.vendor_id) + " " + std::to_string(settings_.product_code) + " " +

@@ -29,8 +29,7 @@ struct GatewaySettings {
 /// A user of the gateway, such as a TCP connection.
 using GatewaySession = std::uint32_t;
 
-/// The actions of a gateway on its surroundings. Functions are called within a call of the gateway
-/// and must not call it.
+/// The callbacks of a gateway. They are called within a call of the gateway and must not call it.
 class GatewayHost : public FrameSender {
  public:
   /// The answer to a command, without line end.

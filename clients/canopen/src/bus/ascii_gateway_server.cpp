@@ -18,12 +18,13 @@ namespace vdrive::canopen {
 namespace {
 
 constexpr std::size_t kGatewayInput = 4096;  // [bytes] of one read
-// A client with this many waiting lines is not read; the current block may add some more.
+// The server does not read from a client with this many waiting lines; the current block may add
+// some more.
 constexpr std::size_t kMostWaitingLines = 32;
-// A client with this much unread output is not read either.
+// Nor does it read from a client with this much unread output.
 constexpr std::size_t kMostGatewayAnswers = 1U << 18U;  // [bytes]
 constexpr std::size_t kMostGatewayReports = 1U << 16U;  // [bytes] queued together with answers
-// Answers and reports received since the gateway last ran: one per node, and faults.
+// Frames queued until the gateway runs: SDO answers, boot-ups, emergencies and PDOs.
 constexpr std::size_t kMostAwaitedFrames = 4096;
 
 BusTime gateway_time() {
@@ -200,8 +201,8 @@ struct AsciiGatewayServer::State final : Port,
 
   void take_line(GatewaySession session, const StreamLine& line) {
     std::string_view text = line.text;
-    // Of a line that is too long, only the sequence is passed on, which is answered with a syntax
-    // error; the truncated rest could pass as another command.
+    // Of a line that is too long, only the sequence number is passed on, and the answer is a syntax
+    // error: the truncated line could be a valid command.
     if (line.is_too_long) text = text.substr(0, text.find(' '));
     gateway.take_line(session, text, gateway_time());
   }
@@ -220,7 +221,7 @@ struct AsciiGatewayServer::State final : Port,
         });
   }
 
-  /// After any activity of the gateway: continues with every client and with the timer.
+  /// Called after any activity of the gateway: continues with every client and with the timer.
   void settle() {
     for (const auto& [session, client] : clients) {
       if (!client->is_over) take_lines(*client);  // lines that waited while the bus was held

@@ -53,7 +53,7 @@ void Bus::deliver_waiting() {
   while (next < waiting_.size()) {
     const Waiting sent = waiting_[next++];
     ++frames_;
-    // A port attached during a delivery gets the next frame first.
+    // A port attached during a delivery gets only the frames after this one.
     const std::size_t ports = ports_.size();
     for (std::size_t place = 0; place < ports; ++place) {
       Port* const port = ports_[place];

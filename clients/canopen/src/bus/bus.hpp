@@ -30,8 +30,7 @@ class Port {
   virtual void resume() {}
 };
 
-/// The services of the program that owns the bus, for the ports to the outside. Called by the
-/// thread of the bus.
+/// Services of the bus's owner for its ports. Called by the thread of the bus.
 class BusHost {
  public:
   virtual ~BusHost() = default;
@@ -68,11 +67,11 @@ class Bus {
 
   /// Delivers `frame` to all ports except `sender`. Frames sent during a delivery wait for its end;
   /// those beyond kMostAtOnce are dropped.
-  /// @return its number, which frames() has during its delivery; 0 = dropped
+  /// @return the number of the frame, which frames() returns during its delivery; 0 = dropped
   std::uint64_t send(const Frame& frame, const Port* sender);
 
-  /// Back pressure, for when time stands still until a frame arrives: a port whose clients have no
-  /// room for more frames holds the bus. While it is held no port reads from outside.
+  /// Back pressure, for a bus whose drive time waits for SYNC: a port whose peer has no room for
+  /// more frames holds the bus. While the bus is held, no port reads from outside.
   void hold(const Port& port);
 
   /// `port` can take frames again. Once no port holds the bus, all ports resume.

@@ -149,7 +149,7 @@ std::uint64_t mixed(std::uint64_t value) {
 
 bool hits(const BusFault& fault, FrameDirection direction, std::uint64_t number) {
   if (fault.direction && *fault.direction != direction) return false;
-  // Faults with the same seed affect different frames.
+  // Lets faults with the same seed affect different frames.
   const auto stream = static_cast<std::uint64_t>(fault.kind) << 16U |
                       std::uint64_t{fault.node} << 8U | static_cast<std::uint64_t>(direction);
   return mixed(mixed(mixed(fault.seed) ^ stream) ^ number) % kAllFrames < fault.percent;

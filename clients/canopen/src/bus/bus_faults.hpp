@@ -65,7 +65,7 @@ struct FrameFate {
 [[nodiscard]] std::variant<BusFault, std::string> parse_fault_of_node(std::string_view text);
 
 /// The faults of a bus. Their effect on a frame depends only on seed, number, direction and drive
-/// time, so that a repeated run has the same frames.
+/// time, so that they affect the same frames in a repeated run.
 class BusFaults final {
  public:
   static constexpr std::size_t kMostFaults = 64;
@@ -79,7 +79,7 @@ class BusFaults final {
 
   [[nodiscard]] bool empty() const noexcept { return faults_.empty(); }
 
-  /// A fault of every node affects a frame in the same way at each of them.
+  /// A fault for every node affects a given frame in the same way at each node.
   /// @param number of the frame, counted per direction
   [[nodiscard]] FrameFate fate_of(std::uint8_t node, FrameDirection direction, std::uint64_t number,
                                   DriveTime now);

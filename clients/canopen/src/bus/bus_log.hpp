@@ -26,9 +26,9 @@ struct BusLogSettings {
 void append_log_line(std::string& out, const std::string& interface, const Frame& frame,
                      std::chrono::microseconds time);
 
-/// Writes every frame of a bus to a file, which it replaces. Frames of one turn of the loop are in
-/// the file at the end of the turn. When the file cannot be written or is full, that is reported
-/// once, and further frames are counted. For the thread of its context.
+/// Writes every frame of a bus to a file, replacing an existing one. At the end of a turn of the
+/// loop, the file has all frames of that turn. When the file cannot be written or is full, that is
+/// reported once, and further frames are only counted. For the thread of its context.
 class BusLog final {
  public:
   /// Attaches the log to the bus.

@@ -12,8 +12,7 @@
 namespace vdrive::canopen {
 namespace {
 
-// Identifiers of the predefined connection set (CiA 301, 7.3.5), without the node id. Command
-// specifiers, the three highest bits of the first byte (CiA 301, 7.2.4.3).
+// Command specifiers: the three highest bits of the first byte (CiA 301, 7.2.4.3).
 constexpr std::uint32_t kSpecifier = 0xE0;
 constexpr std::uint32_t kAbortTransfer = 0x80;  // used by both sides
 constexpr std::uint32_t kInitiateRead = 0x40;   // used by both sides

@@ -13,8 +13,8 @@
 
 namespace vdrive::canopen {
 
-/// Time for waiting on others on the bus: real time from a fixed arbitrary origin. It runs even
-/// while the drive time of a bench stands still.
+/// Time for time-outs on the bus: wall time from an arbitrary fixed origin. It runs even while the
+/// drive time of a bench stands still.
 using BusTime = std::chrono::microseconds;
 
 /// The outcome of a transfer.
@@ -57,7 +57,7 @@ class SdoClient final {
   void write(ObjectAddress object, std::vector<std::uint8_t> data,
              std::chrono::milliseconds time_out, BusTime now);
 
-  /// Ends the active transfer, if any, and sends the reason to the node. It has no outcome.
+  /// Ends the active transfer, if any, without an outcome, and sends the reason to the node.
   void cancel(AbortCode reason);
 
   /// @return whether `frame` may be an answer to this client.

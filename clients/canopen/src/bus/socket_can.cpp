@@ -116,13 +116,13 @@ can_frame to_can_frame(const Frame& frame) noexcept {
   converted.can_id = frame.id;
   if (frame.is_extended) converted.can_id |= CAN_EFF_FLAG;
   if (frame.is_remote) converted.can_id |= CAN_RTR_FLAG;
-  converted.can_dlc = frame.size;  // NOLINT(cppcoreguidelines-pro-type-union-access): of the kernel
+  converted.can_dlc = frame.size;  // NOLINT(cppcoreguidelines-pro-type-union-access): kernel ABI
   std::ranges::copy(frame.bytes(), std::begin(converted.data));
   return converted;
 }
 
 std::optional<Frame> from_can_frame(const can_frame& frame) noexcept {
-  const std::uint8_t size = frame.can_dlc;  // NOLINT(cppcoreguidelines-pro-type-union-access): too
+  const std::uint8_t size = frame.can_dlc;  // NOLINT(cppcoreguidelines-pro-type-union-access): same
   if ((frame.can_id & CAN_ERR_FLAG) != 0 || size > kMostData) return std::nullopt;
   Frame converted;
   converted.is_extended = (frame.can_id & CAN_EFF_FLAG) != 0;
@@ -217,7 +217,7 @@ struct SocketCan::State final : Port, std::enable_shared_from_this<SocketCan::St
       if (const auto frame = from_can_frame(received)) {
         ++counters.received_frames;
         bus.send(*frame, this);
-        // Answers to the frame are written within this call, which may have found the interface
+        // The call above may have written answers to the frame, and found that the interface is
         // gone.
         if (!is_current(its_opening)) return;
       }

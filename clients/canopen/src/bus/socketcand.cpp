@@ -82,7 +82,7 @@ struct SocketcandSession::Words {
 void append_socketcand_frame(std::string& out, const Frame& frame, std::chrono::microseconds time) {
   constexpr std::int64_t kMicroseconds = 1'000'000;
   const std::int64_t since = std::max<std::int64_t>(time.count(), 0);
-  std::array<char, 64> head{};  // at most 20 characters, 8 digits, and twice the digits of 64 bits
+  std::array<char, 64> head{};  // at most 20 characters, 8 digits and two numbers of 64 bits
   const int length = std::snprintf(head.data(), head.size(), "\n< %s %0*X %lld.%06lld ",
                                    frame.is_remote ? "rtr" : "frame", frame.is_extended ? 8 : 3,
                                    frame.id, static_cast<long long>(since / kMicroseconds),

@@ -17,8 +17,8 @@ namespace vdrive::canopen {
 /// The greeting of a server.
 inline constexpr std::string_view kSocketcandGreeting = "< hi >";
 
-/// The most characters of a client's word between its brackets. The longest meaningful one sends an
-/// extended frame of 8 bytes, and has 41.
+/// The most characters between the brackets of a client's word. The longest useful one, for an
+/// extended frame of 8 bytes, has 41.
 inline constexpr std::size_t kLongestSocketcandWord = 256;
 
 /// Frames and data bytes of a connection since it was opened.
@@ -33,10 +33,10 @@ struct SocketcandTraffic {
 /// seconds.microseconds DLC >" for a remote frame. ID has exactly three digits in the base format
 /// and eight in the extended one: clients distinguish the formats by it. Without data, two spaces
 /// precede the closing bracket: clients look for an empty field there.
-/// A line feed precedes the first bracket, because python-can 4.1 of Debian loses the character
-/// after each block of complete words: without the line feed it would lose the bracket of the next
-/// word. Any character after the last bracket would cause a warning of python-can for each block.
-/// @param time when the frame was on the bus, from an arbitrary origin; below 0 = 0
+/// A line feed precedes the first bracket, because python-can 4.1 (Debian) loses the character
+/// after each block of complete words: without the line feed that would be the bracket of the next
+/// word. Nothing follows the last bracket, because python-can would print a warning for each block.
+/// @param time when the frame was on the bus, from an arbitrary origin; negative = 0
 void append_socketcand_frame(std::string& out, const Frame& frame, std::chrono::microseconds time);
 
 /// @return "< stat received-bytes received-frames sent-bytes sent-frames >".
@@ -50,8 +50,7 @@ enum class SocketcandMode : std::uint8_t {
   control,  ///< it receives statistics
 };
 
-/// The actions of a session on its surroundings. Functions are called within take() and must not
-/// call the session.
+/// The callbacks of a session. They are called within take() and must not call the session.
 class SocketcandHost {
  public:
   virtual ~SocketcandHost() = default;

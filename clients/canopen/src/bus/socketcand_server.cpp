@@ -21,11 +21,11 @@ constexpr std::size_t kSocketcandInput = 4096;     // [bytes]
 constexpr std::size_t kSocketcandOutput = 16'384;  // [bytes] of one write
 // Kernel buffer: frames in it cannot be dropped any more, so a slow client sees them late.
 constexpr int kSocketcandBuffer = 1 << 18;  // [bytes] in the kernel, which doubles it
-// A client that sends requests but does not read the answers is not read any more.
+// With more unread answers than this, the server stops reading from the client.
 constexpr std::size_t kMostSocketcandReplies = 256;
-// python-can rejects the answer to "rawmode" if further data arrive in the same block, so a busy
-// bus would keep it out. Frames are held back until the client sends something, which shows that it
-// has read the answer; a client that only listens gets its first frames after this time.
+// python-can rejects the answer to "rawmode" if further data arrive in the same block, so it could
+// not connect to a busy bus. Frames are held back until the client sends something, which shows
+// that it has read the answer; a client that only listens gets its first frames after this time.
 constexpr std::chrono::milliseconds kQuietAfterRawmode{100};
 
 /// Parts shared by the connections of a server. Bus and host are not used once the server is
@@ -183,7 +183,7 @@ class SocketcandConnection final : public Port,
     statistics_timer_.expires_after(statistics_period_);
     statistics_timer_.async_wait([self = shared_from_this()](const AsioError& error) {
       if (error || self->is_over_) return;
-      // A client that does not read skips these, and gets later ones with newer numbers.
+      // A client that does not read misses this one, and gets newer numbers later.
       if (self->replies_.empty()) self->reply(socketcand_statistics(self->traffic_));
       self->write_next();
       self->await_statistics();
@@ -200,7 +200,7 @@ class SocketcandConnection final : public Port,
     output_.clear();
     frames_in_output_ = 0;
     if (!replies_.empty()) {
-      // Sent alone: clients take everything in one receive as one answer.
+      // Sent alone, because clients take all the data of one receive call as one answer.
       output_ = std::move(replies_.front());
       replies_.pop_front();
     } else if (!is_quiet_) {

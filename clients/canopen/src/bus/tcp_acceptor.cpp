@@ -9,7 +9,7 @@
 namespace vdrive::canopen {
 namespace {
 
-// Without a pause, running out of file descriptors would keep the thread busy with accepting.
+// Without a pause, the thread would spin on accept() when the process has no file descriptors left.
 constexpr std::chrono::milliseconds kAcceptPause{100};
 
 }  // namespace
@@ -43,7 +43,7 @@ struct TcpAcceptor::State final : std::enable_shared_from_this<TcpAcceptor::Stat
     });
   }
 
-  /// For example too many open files: the open connections continue.
+  /// After an error such as too many open files: the open connections continue.
   void accept_later() {
     pause.expires_after(kAcceptPause);
     pause.async_wait([self = shared_from_this()](const AsioError& error) {

@@ -17,8 +17,8 @@ struct TcpAddress {
 };
 
 /// @return the address in `text`: "HOST:PORT", where HOST is an IPv4 address, an IPv6 address in
-///         brackets, or "localhost", which is 127.0.0.1. Nothing for any other form. Whether HOST
-///         is an address of this machine is only found when a server listens there.
+///         brackets, or "localhost", which is 127.0.0.1. Nothing for any other form. Does not check
+///         whether HOST is an address of this machine.
 [[nodiscard]] std::optional<TcpAddress> parse_tcp_address(std::string_view text);
 
 /// @return such as "127.0.0.1:29536" or "[::1]:29536".

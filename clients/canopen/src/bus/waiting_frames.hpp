@@ -17,8 +17,8 @@ struct WaitingFrame {
   std::chrono::microseconds time{};  ///< BusHost::frame_time() when it was on the bus
 };
 
-/// The queue of frames for the peer of a port, a client or an interface, which may be slow. When it
-/// is full, either the oldest frame is dropped, or the port holds the bus (Bus::hold()) until the
+/// The queue of frames for a port's peer (a client or an interface), which may be slow. When it is
+/// full, either the oldest frame is dropped, or the port holds the bus (Bus::hold()) until the
 /// queue is half empty, and no frame is lost. For the thread of the bus.
 class WaitingFrames final {
  public:

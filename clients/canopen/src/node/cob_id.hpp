@@ -9,10 +9,10 @@
 
 namespace vdrive::canopen {
 
-/// The predefined connection set (CiA 301, 7.3.5): CAN-IDs that no object changes, and the default
-/// CAN-ID of emergencies. The node id is added to all of them except the NMT one.
+/// The predefined connection set (CiA 301, 7.3.5): CAN-IDs that no object changes, and the defaults
+/// of SYNC and emergencies. The node id is added to all of them except NMT and SYNC.
 inline constexpr std::uint32_t kNmtId = 0x000;
-inline constexpr std::uint32_t kSyncId = 0x080;  ///< no node id is added
+inline constexpr std::uint32_t kSyncId = 0x080;
 inline constexpr std::uint32_t kEmergencyId = 0x080;
 inline constexpr std::uint32_t kSdoResponseId = 0x580;
 inline constexpr std::uint32_t kSdoRequestId = 0x600;

@@ -14,7 +14,7 @@ namespace {
 constexpr std::uint16_t kFirstPdoIndex = 0x1400;
 constexpr std::uint16_t kLastPdoIndex = 0x1BFF;
 
-/// From the communication parameter of a PDO to its mapping: 1400h to 1600h, 1800h to 1A00h.
+/// Offset of a PDO's mapping from its communication parameter: 1400h to 1600h, 1800h to 1A00h.
 constexpr std::uint16_t kToMapping = 0x0200;
 
 /// 1019h comes first: it is refused while 1006h is not 0.

@@ -11,7 +11,7 @@
 namespace vdrive::canopen {
 namespace {
 
-/// The basic data types of CiA 301 that are numbers.
+/// The numeric data types of CiA 301.
 struct SheetType {
   std::uint16_t number = 0;
   std::uint8_t size = 0;  // [bytes]
@@ -59,7 +59,7 @@ std::optional<ObjectAddress> section_address(std::string_view name) {
   return subindex ? std::optional(ObjectAddress{*index, *subindex}) : std::nullopt;
 }
 
-/// Reads a number of CiA 306, in C notation except that an octal 037, which nobody means, is 37.
+/// Reads a number of CiA 306: C notation, but 037 is read as 37, because nobody means octal.
 void read_value(std::string_view text, SheetObject& object) {
   const std::string lower = lower_case(text);
   const std::size_t node_id = lower.find("$nodeid");

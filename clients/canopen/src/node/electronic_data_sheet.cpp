@@ -174,7 +174,7 @@ void add_file_info(const DataSheetSettings& settings, SheetText& sheet) {
   sheet.add("ModifiedBy", kProgram);
 }
 
-/// @return a number of the identity object (1018h), from the section of this object.
+/// @return a number of the identity object (1018h), written as in that object's section.
 std::string identity_number(const std::vector<NodeObject>& objects, ObjectRow row) {
   const auto object = std::ranges::find(objects, describe(row).address, &NodeObject::address);
   ensure(object != objects.end(), "a row of the core's table is an object of the node");

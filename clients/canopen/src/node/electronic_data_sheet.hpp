@@ -19,9 +19,9 @@ struct DataSheetSettings {
   std::string_view program_version = "0";
   std::string_view date = "11-26-2026";  ///< of creation and modification: month-day-year
   std::string_view time = "08:00AM";     ///< hours:minutes
-  /// The node id, 1 to 127: makes the sheet the device configuration file of this node. Its COB-IDs
-  /// are then plain numbers, as readers need that do not know "$NODEID". None = valid for every
-  /// node id.
+  /// The node id, 1 to 127: makes the sheet the device configuration file of this node, with
+  /// COB-IDs as plain numbers for readers that do not know "$NODEID". None = valid for every node
+  /// id.
   std::optional<std::uint8_t> node_id{};
   /// Objects of the drive whose defaults differ from those of the dictionary.
   std::span<const DriveValue> values{};

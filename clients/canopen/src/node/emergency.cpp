@@ -25,8 +25,8 @@ constexpr std::uint32_t kReservedOfEmergencyId = kCobIdExtendedBits | 1U << 30U;
 
 constexpr std::chrono::microseconds kInhibitUnit{100};
 
-/// A drive that has power and no fault so far has not restarted: it may still react to the loss of
-/// its master with a fault.
+/// A drive that still has power has not restarted, even if it has no fault: it may yet react to the
+/// loss of its master with one.
 bool has_restarted(const AxisStatus& drive, std::uint32_t faults_before) {
   const bool has_power = (drive.ds402_statusword & Statusword::kOperationEnabled) != 0;
   const bool is_fresh = drive.error_code == 0 && drive.fault_count == 0 && !has_power;
@@ -86,7 +86,7 @@ void Emergency::update(const AxisStatus& drive, DriveTime now) {
     drive_.error_code = 0;  // not sent, so its end is not sent either
     return;
   }
-  if (drive.fault_count < drive_.fault_count) clear_history();  // it was switched off
+  if (drive.fault_count < drive_.fault_count) clear_history();  // power cycle
   const bool has_fault = drive.error_code != 0;
   // Compares the count as well as the code: the same fault may have occurred again after a reset
   // within one tick.

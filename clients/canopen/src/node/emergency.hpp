@@ -45,8 +45,8 @@ class Emergency {
   /// Entries of 1003h.
   static constexpr std::size_t kMostHistory = 8;
 
-  /// Longest time of a restart of the drive [drive time]. A drive that has shown no restart by then
-  /// still has its faults, and they are sent.
+  /// Longest wait for the drive to restart [drive time]. If it has not restarted by then, it still
+  /// has its faults, and they are sent.
   static constexpr DriveTime kLongestRestart = std::chrono::seconds(1);
 
   /// 1014h and 1015h get their defaults. Nothing is sent until set_allowed(true).
@@ -56,7 +56,7 @@ class Emergency {
   [[nodiscard]] std::uint32_t cob_id() const noexcept { return cob_id_; }  ///< 1014h
 
   /// Writes 1014h. With bit 31 set no emergency is sent, and waiting ones are dropped.
-  /// @return value_range_exceeded when one of bits 11 to 30 is 1, or when the value is valid (bit
+  /// @return value_range_exceeded when any of bits 11 to 30 is 1, or when the value is valid (bit
   ///         31 = 0) and its CAN-ID is restricted or differs from the one that is valid now
   AbortCode set_cob_id(std::uint32_t value);
 
@@ -70,11 +70,10 @@ class Emergency {
   /// sent again. Nothing is sent until set_allowed(true). A pending restart is still awaited.
   void reset();
 
-  /// NMT reset node, after reset(): the drive is switched off and on. A bench in real time does
-  /// that some ticks later, and its status until then is stale. So no fault is sent until the drive
-  /// shows its restart: either no fault, none since power-up, and no power; or fewer faults than
-  /// before.
-  /// @param drive its last status
+  /// NMT reset node, after reset(): the drive is switched off and on. In real time the bench does
+  /// that some ticks later, and the status until then is stale. So no fault is sent until the
+  /// status shows the restart: no power and no fault since power-up, or fewer faults than before.
+  /// @param drive last status before the restart
   void await_restart(const AxisStatus& drive, DriveTime now);
 
   /// The present drive is a different one, or has restarted.

@@ -65,7 +65,7 @@ class HeartbeatConsumer {
   /// Writes 1016h: the producer's node id in bits 16 to 23, the time [ms] in bits 0 to 15. An entry
   /// is unused if either is 0. The entry waits for a first heartbeat again.
   /// @param subindex 1 to kEntries
-  /// @return value_range_exceeded when one of bits 24 to 31 is 1; parameter_incompatibility when
+  /// @return value_range_exceeded when any of bits 24 to 31 is 1; parameter_incompatibility when
   ///         another entry monitors the same producer
   AbortCode set_entry(std::uint8_t subindex, std::uint32_t value);
 

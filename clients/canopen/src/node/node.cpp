@@ -123,7 +123,8 @@ class Node::Parts final : private PdoHost {
                          ///< by NMT
   bool has_heartbeat_error_ = false;
   bool is_without_master_ = false;  ///< the last value passed to NodeHost::set_connection_lost()
-  bool has_left_by_nmt_ = false;    ///< lost by an NMT command, so that only an NMT start ends it
+  bool has_left_by_nmt_ = false;    ///< the master was lost by an NMT command: only an NMT start
+                                    ///< ends the loss
 };
 
 void Node::Parts::start(const DriveView& drive, DriveTime now) {
@@ -139,8 +140,8 @@ void Node::Parts::start(const DriveView& drive, DriveTime now) {
   update(drive, now);
 }
 
-/// Dispatches by state (CiA 301, 7.3.2.2.5): NMT and error control always, SDO not in Stopped, PDOs
-/// in Operational only: Pdos knows the state by its start() and stop().
+/// NMT and error control act in every state, SDO in all but Stopped, PDOs in Operational only (CiA
+/// 301, 7.3.2.2.5). Pdos learns the state by start() and stop().
 void Node::Parts::receive(const Frame& frame, DriveTime now) {
   if (state_ == NmtState::boot_up || frame.is_extended) return;
   now_ = now;
@@ -156,7 +157,8 @@ void Node::Parts::receive(const Frame& frame, DriveTime now) {
   end_errors();
 }
 
-/// Called for every possible end: a correct frame, other parameters or another NMT state.
+/// Called wherever a PDO or SYNC error can end: after a correct frame, a changed parameter or a
+/// change of the NMT state.
 void Node::Parts::end_errors() {
   if (!pdos_.has_error()) emergency_.end_errors(now_);
 }
@@ -194,7 +196,7 @@ void Node::Parts::start_remote_node() {
   enter(NmtState::operational);
 }
 
-/// From any state through initialisation to pre-operational, with the stored parameters.
+/// Goes from any state through initialisation to pre-operational, with the stored parameters.
 void Node::Parts::reset_communication() {
   state_ = NmtState::boot_up;
   ++resets_;
@@ -244,11 +246,12 @@ void Node::Parts::complete(std::uint32_t ticket, const DriveAnswer& answer, Driv
   answered();
 }
 
-/// After the response to the client: the immediate effects of a written parameter.
+/// Called after the response to the client: carries out the immediate effects of a written
+/// parameter.
 void Node::Parts::answered() {
   producer_.advance(state_, now_);  // 1017h: the first heartbeat
   end_heartbeat_error();            // 1016h: the silent producer is no longer monitored
-  end_errors();                     // a PDO may have other parameters
+  end_errors();                     // the parameters of a PDO may have changed
 }
 
 /// A remote frame would be node guarding, which is not supported: it is not answered.
@@ -259,7 +262,7 @@ void Node::Parts::receive_heartbeat(const Frame& frame) {
   end_heartbeat_error();
 }
 
-/// Raises an emergency for each silent producer, before 1029h may lead to Stopped, where none is
+/// Raises the emergencies for silent producers first: 1029h may lead to Stopped, where none are
 /// sent.
 void Node::Parts::watch_producers() {
   bool is_new = false;
@@ -317,7 +320,7 @@ void Node::Parts::regain_master() {
   host_.set_connection_lost(false);
 }
 
-/// The drive reacts per 6007h also at NMT stop, reset communication and reset node. A node that no
+/// The drive also reacts per 6007h at NMT stop, reset communication and reset node. A node that no
 /// master has started has none to lose: masters reset all nodes before they configure them.
 void Node::Parts::leave_by_nmt() {
   if (!is_led_) return;

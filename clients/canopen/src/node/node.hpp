@@ -16,10 +16,9 @@ namespace vdrive::canopen {
 
 /// Counters of a node since its construction; an NMT reset does not clear them.
 struct NodeCounters {
-  std::uint64_t ignored_set_points = 0;  ///< RPDOs that would have acted while another session
-                                         ///< owned the axis: every frame of an asynchronous RPDO,
-                                         ///< but of a synchronous RPDO only the last frame before
-                                         ///< each SYNC
+  std::uint64_t ignored_set_points = 0;  ///< RPDOs without effect because the bridge did not own
+                                         ///< the axis; of a synchronous RPDO, only the last frame
+                                         ///< before each SYNC counts
   std::uint64_t refused_set_points = 0;  ///< values of RPDOs that the drive has refused
   std::uint64_t dropped_pdos = 0;        ///< as PdoCounters::dropped
   std::uint64_t sdo_aborts = 0;          ///< sent by the node
@@ -32,8 +31,8 @@ struct NodeCounters {
 /// A CANopen node (CiA 301) of one axis (CiA 402): a function of frames, states and time. It does
 /// no I/O, never waits, and reads no clock. For one thread.
 ///
-/// Order of a tick at SYNC n: receive(SYNC) sends the TPDOs with the values sampled last (the drive
-/// at n), and passes the RPDOs received before it to NodeHost::command(), so that they act after n.
+/// At SYNC n, receive() sends the TPDOs with the status of the last update() (the drive at n), then
+/// passes the RPDOs received before SYNC to NodeHost::command(): they act after n.
 class Node {
  public:
   /// The communication parameters at power-up; see stored().

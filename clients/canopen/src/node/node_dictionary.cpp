@@ -118,7 +118,7 @@ std::int64_t NodeDictionary::as_masters_see(const DriveAccess& access, std::int6
   return access.object == kErrorRegister ? value | parts_.emergency.error_register() : value;
 }
 
-/// The drive's own list would lack the communication errors.
+/// Reads the node's list of errors: the drive's own lacks the communication errors.
 SdoAnswer NodeDictionary::read_error_field(const NodeObject& object) const {
   const auto& history = parts_.emergency.history();
   const std::size_t entry = object.address.subindex;

@@ -37,8 +37,8 @@ struct DriveAnswer {
   friend bool operator==(const DriveAnswer&, const DriveAnswer&) = default;
 };
 
-/// The actions of a node on its surroundings. Functions are called within a call of the node, in
-/// its thread; they must not block, and must not call the node.
+/// The callbacks of a node. They are called within a call of the node, in its thread; they must not
+/// block, and must not call the node.
 class NodeHost {
  public:
   virtual ~NodeHost() = default;
@@ -55,8 +55,8 @@ class NodeHost {
   /// act in the same tick.
   virtual void command(std::span<const DriveValue> values) = 0;
 
-  /// The node has lost its master (heartbeat lost, NMT stop or reset): the drive reacts per 6007h,
-  /// on every call with true. `is_lost` = false: it has a master again.
+  /// The node has lost its master (heartbeat lost, NMT stop or reset): the drive reacts per 6007h
+  /// to each call with true. False: the node has a master again.
   virtual void set_connection_lost(bool is_lost) = 0;
 
   /// NMT reset node: the drive is switched off and on.

@@ -322,8 +322,8 @@ bool is_in_status(ObjectAddress address) {
   });
 }
 
-/// The drive's objects of CiA 301, such as its identity, cannot be mapped, except the error
-/// register (1001h), which the status contains.
+/// The drive's objects below this index are those of CiA 301, such as the identity. They cannot be
+/// mapped, except the error register (1001h), which the status contains.
 constexpr std::uint16_t kFirstOfProfile = 0x2000;
 
 PdoMapping mapping_of_row(const ObjectDescription& row) {
@@ -331,7 +331,7 @@ PdoMapping mapping_of_row(const ObjectDescription& row) {
   if (row.access == Access::read_only) {
     return row.address.index < kFirstOfProfile ? PdoMapping::none : PdoMapping::transmit;
   }
-  // A PDO would repeat in each cycle a store or clear that a master means once.
+  // A master means a store or clear once, but a PDO would repeat it in each cycle.
   const bool is_once = row.change == Change::memory || row.change == Change::history;
   if (is_once) return PdoMapping::none;
   return access_of_row(row) == NodeAccess::write_only ? PdoMapping::receive : PdoMapping::both;

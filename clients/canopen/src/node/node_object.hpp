@@ -65,7 +65,7 @@ enum class ObjectOwner : std::uint8_t {
 enum class PdoMapping : std::uint8_t {
   none,
   transmit,  ///< TPDOs only: a value of the drive that no PDO may write
-  receive,   ///< RPDOs only: it is write-only
+  receive,   ///< RPDOs only: the object is write-only
   both,      ///< RPDOs write it as a set-point, TPDOs show it
 };
 
@@ -99,8 +99,8 @@ struct NodeObject {
   bool has_node_id = false;         ///< the node id is added to the default ("$NODEID+0x180")
 };
 
-/// All objects of a node, by index and sub-index. The rows of the drive come from kObjectTable; the
-/// source file of this function is the only place for the others. Built once; the texts are static.
+/// All objects of a node, by index and sub-index. The drive's objects come from kObjectTable; the
+/// others are defined only in the source file of this function. Built once; the texts are static.
 [[nodiscard]] std::span<const NodeObject> node_objects();
 
 /// @return the object at `address`; nullptr if there is none.

@@ -11,7 +11,7 @@ namespace {
 
 constexpr std::uint32_t kHighestCount = 0x40;  // 41h to FDh are reserved; FEh, FFh: multiplex PDOs
 
-/// The meaning of an entry.
+/// A decoded mapping entry, or why it is refused.
 struct Resolved {
   AbortCode refusal = AbortCode::none;
   MappedObject object{};
@@ -33,7 +33,7 @@ Resolved resolve_dummy(ObjectAddress address, PdoDirection direction) {
 
 Resolved resolve_object(ObjectAddress address, PdoDirection direction) {
   const NodeObject* const object = find_node_object(address);
-  // CiA 301 has the same code for a missing index and a missing sub-index of a mapped object.
+  // CiA 301 has one code for a mapped object whose index or sub-index is missing.
   if (object == nullptr) return {.refusal = AbortCode::object_does_not_exist};
   if (!allows(object->mapping, direction)) return {.refusal = AbortCode::cannot_be_mapped_to_pdo};
   Resolved resolved{.object = {.address = address, .type = object->data_type}};

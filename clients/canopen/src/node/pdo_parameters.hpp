@@ -26,8 +26,8 @@ struct PdoPlace {
   std::uint8_t node_id = 1;  ///< 1 to 127
 };
 
-/// The two records of a PDO in force: communication parameter (CiA 301, 7.5.2.35: 1400h.. for an
-/// RPDO; 7.5.2.37: 1800h.. for a TPDO) and mapping.
+/// The values in force of a PDO's two records: communication parameter (CiA 301, 7.5.2.35: 1400h..
+/// for an RPDO; 7.5.2.37: 1800h.. for a TPDO) and mapping.
 ///
 /// A valid PDO always has an unrestricted CAN-ID and at least one mapped object.
 class PdoParameters {
@@ -44,12 +44,12 @@ class PdoParameters {
   /// @pre `object` belongs to one of the two records
   /// @return for the mapping: as MappingRecord::write(); for the communication parameter:
   ///         write_of_read_only_object for :00;
-  ///         value_range_exceeded for a COB-ID with one of the bits 11 to 29 set; for one that
+  ///         value_range_exceeded for a COB-ID with any of bits 11 to 29 set; for one that
   ///         makes the PDO valid and has a restricted CAN-ID, no mapped objects, or a CAN-ID other
   ///         than that of the already valid PDO; for a reserved transmission type; for 252 and 253
   ///         of an RPDO; for a change of inhibit time or SYNC start value while the PDO is valid;
   ///         for a SYNC start value above 240, and a time above 65535;
-  ///         subindex_does_not_exist where the record has none;
+  ///         subindex_does_not_exist for a sub-index that the record does not have;
   ///         otherwise none: the value is in force.
   AbortCode write(ObjectAddress object, std::uint32_t value);
 

@@ -16,7 +16,7 @@
 
 namespace vdrive::canopen {
 
-/// The actions of a node's PDOs on the node. Functions are called within a call of Pdos and must
+/// The callbacks of Pdos, implemented by its node. They are called within a call of Pdos and must
 /// not block.
 class PdoHost {
  public:
@@ -24,8 +24,8 @@ class PdoHost {
 
   virtual void send(const Frame& frame) = 0;
 
-  /// As NodeHost::command(). The node passes the values on, or only counts the RPDOs while it does
-  /// not own the axis.
+  /// As NodeHost::command(). The node passes the values on, or only counts the RPDOs while the
+  /// bridge does not own the axis.
   /// @param pdos number of RPDOs that contributed values, 1 to kPdoCount
   virtual void command(std::span<const DriveValue> values, std::uint8_t pdos) = 0;
 
@@ -56,7 +56,7 @@ class Pdos {
   /// @param sync_period the only value of 1006h other than 0 [us]; none = any
   Pdos(std::uint8_t node_id, PdoHost& host, std::optional<std::uint32_t> sync_period);
 
-  /// @return whether `object` is one of those listed above.
+  /// @return whether `object` is one that Pdos holds.
   [[nodiscard]] static bool has(ObjectAddress object) noexcept;
 
   /// @pre has(object), and the object exists
@@ -89,7 +89,8 @@ class Pdos {
   /// @return the objects to read for TPDOs, see TransmitPdo::add_read_objects().
   [[nodiscard]] std::vector<ObjectAddress> read_objects() const;
 
-  /// The drive's value of one of them, for the TPDOs of the next SYNC, update() or advance().
+  /// The drive's value of an object of read_objects(), for the TPDOs of the next SYNC, update() or
+  /// advance().
   void set_value(const DriveValue& reading);
 
   /// Sends TPDOs whose inhibit time or event timer has elapsed; raises RPDO time-outs.

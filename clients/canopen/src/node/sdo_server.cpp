@@ -61,7 +61,7 @@ std::uint32_t indicated_size(const Frame& request) {
   return static_cast<std::uint32_t>(little_endian_number(bytes));
 }
 
-/// @return whether the request names an object: only these do.
+/// @return whether the request names an object: only initiate requests do.
 bool names_object(const Frame& request) {
   switch (client_command_of(request)) {
     case ClientCommand::initiate_download:

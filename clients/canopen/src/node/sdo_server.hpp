@@ -66,7 +66,7 @@ struct SdoCounters {
 /// | initiate, at any time | starts a new transfer; the current one ends without an answer |
 /// | segment of no transfer, or of the other direction | abort 05040001h |
 /// | specifier 7, and anything that a block transfer does not expect | abort 05040001h |
-/// | any frame but 80h within a block of a download | a segment: a new transfer begins after it |
+/// | any frame but 80h within a block of a download | it is taken as a segment |
 /// | block size 0 or above 127 segments | abort 05040002h |
 /// | segment 0, or confirmation of more than was sent | abort 05040003h |
 /// | wrong CRC of a block download | abort 05040004h |

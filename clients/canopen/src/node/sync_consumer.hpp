@@ -41,11 +41,11 @@ class SyncConsumer {
   [[nodiscard]] std::uint32_t read(ObjectAddress object) const noexcept;
 
   /// @pre has(object)
-  /// @return value_range_exceeded for a COB-ID with one of the bits 11 to 29, the producer bit 30,
-  ///         or a restricted CAN-ID (bit 31 has no meaning and is kept as written); for a period
-  ///         that is neither 0 nor that of the constructor; for an overflow value other than 0 and
-  ///         2 to 240; refused_in_present_device_state for a change of the overflow value while
-  ///         1006h is not 0; otherwise none: the value is in force.
+  /// @return value_range_exceeded for a COB-ID with any of bits 11 to 29, the producer bit 30, or a
+  ///         restricted CAN-ID (bit 31 has no meaning and is kept as written); for a period that is
+  ///         neither 0 nor that of the constructor; for an overflow value other than 0 and 2 to
+  ///         240; refused_in_present_device_state for a change of the overflow value while 1006h is
+  ///         not 0; otherwise none: the value is in force.
   AbortCode write(ObjectAddress object, std::uint32_t value);
 
   /// @return whether `frame` is a data frame in the base format with the CAN-ID of 1005h.

@@ -53,7 +53,7 @@ class TransmitPdo {
   /// while the PDO is not valid.
   void add_read_objects(std::vector<ObjectAddress>& objects) const;
 
-  /// The drive's value of one of them; other objects are ignored.
+  /// The drive's value of an object of add_read_objects(); other objects are ignored.
   void set_value(const DriveValue& reading);
 
   /// @param counter of the SYNC, 1 to 240; 0 = none

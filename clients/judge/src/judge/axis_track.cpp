@@ -13,12 +13,12 @@
 namespace vdrive::judge {
 namespace {
 
-/// By then a node has followed its NMT start.
+/// A node follows an NMT start within this time.
 constexpr Time kStartTime = std::chrono::seconds(1);
 
-/// Thresholds of is_moving(): the distance covered by the last positions, and the last step of it.
-/// Noise at standstill stays below them whatever the unit is, because it is small compared with the
-/// travel of the axis.
+/// Thresholds of is_moving() for the distance over the last positions and for the last step. Noise
+/// at standstill stays below them in any unit, because it is small compared with the travel of the
+/// axis.
 constexpr std::int64_t kMovingWay = 10;      // [user units]
 constexpr std::int64_t kMovingStep = 3;      // [user units]
 constexpr std::int64_t kMovingShare = 1000;  // of the total travel of the axis

@@ -55,7 +55,7 @@ inline constexpr ObjectAddress kMotorSpeedLimit{0x5E11, 0};  ///< 6080h in user 
 /// Known values of objects, by address.
 class KnownValues {
  public:
-  /// Further ones are dropped: those that the rules need are among the first.
+  /// Further ones are dropped; those that the rules need are among the first.
   static constexpr std::size_t kMost = 512;
 
   void set(ObjectAddress object, std::int64_t value);
@@ -86,7 +86,7 @@ enum class Waiting : std::uint8_t {
   homing,
 };
 
-/// The knowledge about one axis: the commands of the master, and the last state shown by the drive.
+/// The known state of one axis: the commands of the master, and the last state shown by the drive.
 /// Nothing is guessed; anything not seen is absent.
 struct AxisTrack {
   // ---- the drive
@@ -108,7 +108,7 @@ struct AxisTrack {
   std::optional<std::int16_t> torque;
   std::uint16_t error_code = 0;
   std::optional<NodeState> node_state;
-  std::optional<Time> started;           ///< by the NMT master, with no other change since
+  std::optional<Time> started;           ///< by the NMT master; none once another state follows
   std::optional<Time> left_operational;  ///< reset when it is Operational again
 
   // ---- the master
@@ -146,7 +146,7 @@ struct AxisTrack {
     return mode_in_force() == static_cast<std::int8_t>(mode);
   }
 
-  /// @return whether the drive has shown a cyclic mode, 7 to 10.
+  /// @return whether the mode in force is cyclic, 7 to 10.
   [[nodiscard]] bool is_cyclic() const noexcept;
 
   [[nodiscard]] bool is_enabled() const noexcept {
@@ -180,12 +180,12 @@ struct AxisTrack {
 
   static constexpr std::size_t kSteps = 3;
 
-  std::array<std::int64_t, kSteps> steps_{};  ///< between consecutive ones of the last positions
+  std::array<std::int64_t, kSteps> steps_{};  ///< differences of the last positions
   std::int32_t lowest_ = 0;                   ///< position since the last gap or restart
   std::int32_t highest_ = 0;                  ///< position since the last gap or restart
 };
 
-/// @return whether `write` took effect: the drive has not refused it.
+/// @return whether the drive took the value of `write`: it was neither refused nor late.
 [[nodiscard]] inline bool is_taken(const Write& write) noexcept {
   return write.fate == Fate::accepted || write.fate == Fate::unanswered ||
          write.fate == Fate::ignored;

@@ -22,7 +22,8 @@ inline constexpr std::array kKnownFromTheStart{
     objects::kAccelerationLimit,
 };
 
-/// @return whether it is a test-bench input (5E00h and others): writing it does not make a master.
+/// @return whether it is a test-bench input (5E00h and others): a program that writes only these is
+///         not a master.
 [[nodiscard]] bool is_test_input(ObjectAddress object);
 
 /// @return the state that an axis shows in each tick.

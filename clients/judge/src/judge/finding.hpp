@@ -53,7 +53,7 @@ struct Finding {
   std::uint64_t count = 0;
   Place first;
   Place last;
-  std::string happened;         ///< description of the first occurrence
+  std::string happened;         ///< the first occurrence, or the last one if RuleRow::is_figure
   std::vector<Line> lines;      ///< around the first occurrence, oldest first
   std::vector<Sample> samples;  ///< around the first occurrence, oldest first
 };

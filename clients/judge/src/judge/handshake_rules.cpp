@@ -64,7 +64,7 @@ void HandshakeRules::watch_pulse(std::uint16_t word, const Context& context) {
   if (pulse_ && is_up(track.controlword, pulse_->bit) && !is_up(word, pulse_->bit)) {
     end_pulse(context);
   }
-  // Only if the drive has something to do.
+  // The length of a pulse matters only if the drive would act on its edge.
   const bool starts = track.is_enabled() && (track.is_in(OperatingMode::profile_position) ||
                                              track.is_in(OperatingMode::homing));
   if (rises(Controlword::kNewSetPoint) && track.has_controlword && starts) {
@@ -144,7 +144,7 @@ void HandshakeRules::fall(std::uint16_t word, const Context& context) {
 /// A controlword with bit 4 still set.
 void HandshakeRules::stay(const Write& write, const Context& context) {
   if (targets_without_edge_ == 0 || !edge_ || !edge_->is_acknowledged) return;
-  if (!context.track.is_in(OperatingMode::profile_position)) return;  // a level, or unused
+  if (!context.track.is_in(OperatingMode::profile_position)) return;  // a level or unused there
   // A PDO repeats its controlword each cycle, also while the master prepares its next target.
   const bool is_meant = write.channel != Channel::pdo;
   if (!is_meant && context.now() - first_without_edge_ < kAcknowledgeTime) return;

@@ -46,7 +46,7 @@ class HandshakeRules {
 
   std::optional<Edge> edge_;   ///< while bit 4 is set in Operation enabled
   bool saw_disabled_ = false;  ///< the source shows the axis from before it was enabled
-  bool has_taken_ = false;     ///< a set-point since Operation enabled
+  bool has_taken_ = false;     ///< there was a set-point since Operation enabled
   bool has_target_ = false;    ///< 607Ah was written since the last edge
   std::uint32_t targets_without_edge_ = 0;  ///< other values of 607Ah while bit 4 stays set
   Time first_without_edge_{};

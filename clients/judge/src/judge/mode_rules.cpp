@@ -241,7 +241,7 @@ void ModeRules::take(const Shown& shown, const Context& context) {
   if (homing_start_ && is_homing_shown_ && (track.statusword & kHomingEnded) != 0) {
     homing_start_.reset();
   }
-  // Bit 4 was set before the mode: nothing starts.
+  // Bit 4 was set before mode 6 was in force, so nothing starts.
   const Time since = std::max(track.mode_since, track.state_since);
   const bool is_idle = (track.statusword & (kHomingEnded | Statusword::kTargetReached)) ==
                        Statusword::kTargetReached;

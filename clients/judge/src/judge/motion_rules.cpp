@@ -185,7 +185,7 @@ void MotionRules::judge_step(std::int64_t step, Time distance, const Context& co
   const auto of_motor = context.track.values.find(objects::kMotorSpeedLimit);
   const bool is_of_motor = of_motor && *of_motor > 0 && *of_motor < *limit;
   if (is_of_motor) limit = of_motor;
-  // Rounding costs one unit at each end.
+  // Rounding may add one unit at each end.
   const double longest = kSpeedTolerance * static_cast<double>(*limit) *
                              seconds_of(std::max(distance, *distances_.period())) +
                          2;

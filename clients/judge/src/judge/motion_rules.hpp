@@ -65,7 +65,7 @@ class MotionRules {
 
   std::array<Corner, 2> corners_{};  ///< the last ones, oldest first
   std::uint32_t corner_count_ = 0;   ///< number of valid corners
-  std::uint32_t steps_ = 0;          ///< since the last one
+  std::uint32_t steps_ = 0;          ///< since the last corner
   std::uint64_t repeats_ = 0;
   std::uint64_t late_ = 0;
   std::int64_t largest_error_ = 0;

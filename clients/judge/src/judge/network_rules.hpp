@@ -28,7 +28,7 @@ class NetworkRules {
     std::optional<std::uint8_t> type;  ///< transmission type, if known
     std::uint32_t since_sync = 0;
     std::uint32_t without_sync = 0;
-    std::uint32_t one_a_cycle = 0;  ///< SYNC cycles with exactly one
+    std::uint32_t one_a_cycle = 0;  ///< SYNC cycles in a row with exactly one frame
     Time first_without_sync{};
   };
 
@@ -56,7 +56,7 @@ class NetworkRules {
   Distances targets_;  ///< between the SYNCs that were followed by a target
   bool is_period_judged_ = false;
   std::uint64_t writer_ = 0;         ///< of the last command
-  std::uint64_t writer_before_ = 0;  ///< a different one, of the previous command
+  std::uint64_t writer_before_ = 0;  ///< the other writer, from whom `writer_` took over
   Time writer_since_{};
 };
 

@@ -14,7 +14,7 @@ namespace vdrive::judge {
 /// The input of the judge: a sequence of writes by a master and states shown by a drive. An adapter
 /// makes it from a journal, a bus log or a running bench.
 
-/// Since a fixed origin: for a log its own clock, for a journal drive time.
+/// Time since a fixed origin: by the clock of a log, in drive time for a journal.
 using Time = std::chrono::nanoseconds;
 
 /// How a write reached the drive.

@@ -118,12 +118,12 @@ struct RuleRow {
   std::string_view title;  ///< the mistake of the master, without a full stop
   Severity severity = Severity::error;
   std::string_view clause;    ///< of CiA 402, CiA 301 or the manual
-  std::string_view expected;  ///< correct behaviour; drives to which a warning does not apply
+  std::string_view expected;  ///< correct behaviour; for a warning, also the drives it is wrong on
   std::string_view remedy;    ///< what to do about it
   std::string_view wrong;     ///< an example
   std::string_view right;
   std::uint32_t needs = 0;  ///< facts
-  bool is_figure = false;   ///< the description has figures of the whole run: the last text counts
+  bool is_figure = false;   ///< the finding has figures of the whole run, so its last text is kept
 };
 
 /// Every rule, in the order of Rule.

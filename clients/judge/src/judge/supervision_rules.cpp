@@ -132,7 +132,7 @@ void SupervisionRules::take(const Shown& shown, const Context& context) {
 }
 
 void SupervisionRules::take(const KeepAlive& sign, const Context& context) {
-  constexpr int kShareOfLimit = 5;  // reported from four fifths of the limit on
+  constexpr int kShareOfLimit = 5;  // reported beyond four fifths of the limit
   if (last_sign_) {
     const Time silence = context.now() - *last_sign_;
     if (silence > sign.limit / kShareOfLimit * (kShareOfLimit - 1) && silence > longest_silence_) {

@@ -9,7 +9,8 @@
 
 namespace vdrive::judge {
 
-/// Whether the master monitors its drive: faults, loss of enable, limits, signs of life, the end.
+/// Whether the master monitors its drive: faults, loss of enable, limits, keep-alives, end of the
+/// run.
 class SupervisionRules {
  public:
   /// To be called before the track of `context` is updated with the write.

@@ -16,10 +16,11 @@ using client::AxisWrite;
 using client::Observation;
 using client::Outcome;
 
-/// As many as one poll takes, so that the verdict can be shown in between.
+/// The most samples of one poll(), so that the verdict can be shown between two polls.
 constexpr std::size_t kMostSamples = 2'000;
 
-/// A page has room for 64 entries, and a write needs at most two marks.
+/// A page with fewer writes was not full: it has room for 64 entries, and a write needs at most
+/// three (itself and two marks).
 constexpr std::size_t kLeastOfAFullPage = 20;
 
 std::vector<client::AxisId> ids_of(const std::vector<client::Axis>& axes) {
@@ -29,7 +30,7 @@ std::vector<client::AxisId> ids_of(const std::vector<client::Axis>& axes) {
   return ids;
 }
 
-/// Bounded, because while time does not pass, the status that these wait for does not arrive.
+/// The most writes kept: while time stands still, the status that they wait for does not arrive.
 constexpr std::size_t kMostWrites = 65'536;
 
 bool is_set_point(const AxisWrite& write) {

@@ -27,8 +27,8 @@ class LiveJudge {
                                                         std::uint32_t bench,
                                                         std::vector<client::Axis> axes);
 
-  /// Processes what has happened since the last call. Each call has a fixed cost: if time passes
-  /// without steps, one call per kPollEvery is enough.
+  /// Processes what has happened since the last call. Each call has a fixed cost, and one call per
+  /// kPollEvery is enough, unless the bench is stepped.
   /// @param patience wall time to wait for a status
   /// @return lost if the bench is silent or was restarted; ok also if nothing has happened
   client::Outcome poll(std::chrono::milliseconds patience);

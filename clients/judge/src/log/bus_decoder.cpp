@@ -101,14 +101,14 @@ struct Consumed {
   Time limit{};
 };
 
-/// The knowledge about a node.
+/// All that is known about a node.
 struct BusDecoder::Node {
   Node(std::uint8_t its_number, const canopen::DataSheet* sheet)
       : number(its_number), pdos(its_number, sheet) {}
 
   std::uint8_t number;
   LoggedPdos pdos;
-  std::vector<std::uint32_t> indexed;  ///< their CAN-IDs
+  std::vector<std::uint32_t> indexed;  ///< CAN-IDs of `pdos`
   SdoObserver sdo;
   bool is_drive = false;
   bool is_no_drive = false;      ///< 1000h names another profile
@@ -117,7 +117,7 @@ struct BusDecoder::Node {
   std::optional<Write> written;  ///< a download that the node has not confirmed yet
   Time written_time{};
   std::uint64_t written_line = 0;
-  std::deque<Record> held;                          ///< records after it
+  std::deque<Record> held;                          ///< records after that write
   std::map<std::uint8_t, Consumed> consumed;        ///< heartbeats, by the sub-index of 1016h
   std::map<std::uint16_t, SynchronousPdo> waiting;  ///< RPDOs waiting for SYNC, by number
   std::map<std::string, std::uint64_t> assumed;     ///< notes, with the number of frames

@@ -60,7 +60,7 @@ struct DecoderCounts {
 
 /// Converts the frames of a CANopen bus to records: NMT, SYNC, emergencies, heartbeats, SDO
 /// transfers, and PDOs. The PDO mapping comes from the traffic, a data sheet or CiA 402. Depends
-/// only on frames and times. An axis is the node with its number.
+/// only on frames and times. Record::axis is the node id.
 ///
 /// A node counts as a drive once 6040h was written to it or it has shown 6041h; earlier records are
 /// kept until then. A device whose 1000h names another profile is not a drive.

@@ -30,7 +30,7 @@ class Lines {
  public:
   explicit Lines(std::istream& stream) : stream_(stream) {}
 
-  /// @param is_whole false: the line was longer, and the rest of it is skipped
+  /// @param is_whole false: the line exceeds kLongestLine, and its rest is skipped
   bool next(std::string_view& line, bool& is_whole) {
     stream_.getline(buffer_.data(), static_cast<std::streamsize>(buffer_.size()));
     const auto count = static_cast<std::size_t>(stream_.gcount());

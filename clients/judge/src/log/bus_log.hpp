@@ -36,7 +36,7 @@ struct LogVerdict {
   }
 };
 
-/// Called with the kind of each line: its number, and the frame if it is LineKind::frame.
+/// Called with each frame of the judged bus: the number of its line, and its kind.
 using FrameWatcher = std::function<void(std::uint64_t line, const DecodedFrame& frame)>;
 
 /// Reads a log from beginning to end, in bounded memory, and judges the masters of its bus. A line

@@ -76,7 +76,7 @@ std::optional<Time> time_of_day(std::string_view date, std::string_view text) {
       *seconds >= kLeapSecond + std::chrono::seconds(1)) {
     return std::nullopt;
   }
-  // In local time: the change to summer time is a step.
+  // Local time is not converted, so a change to summer time is a step.
   const auto whole = std::chrono::sys_days(parsed).time_since_epoch() + std::chrono::hours(*hours) +
                      std::chrono::minutes(*minutes);
   if (whole < std::chrono::seconds(0) || whole > std::chrono::seconds(kLatestSecond)) {
@@ -134,7 +134,7 @@ bool read_bytes(std::string_view& text, std::uint8_t count, int base, Frame& fra
   return true;
 }
 
-/// Parses "can0 123#0011", after the time.
+/// Parses "123#0011", after the interface.
 LineKind read_log_format(std::string_view id_and_data, LoggedFrame& frame) {
   const std::size_t hash = id_and_data.find('#');
   const std::string_view data = id_and_data.substr(hash + 1);

@@ -30,8 +30,7 @@ enum class LineKind : std::uint8_t {
 class LogLines {
  public:
   /// @param line without its line end
-  /// @param frame receives the frame if the result is LineKind::frame; its texts are parts of
-  ///        `line`
+  /// @param frame receives the frame if the result is LineKind::frame; its texts point into `line`
   LineKind read(std::string_view line, LoggedFrame& frame);
 
  private:

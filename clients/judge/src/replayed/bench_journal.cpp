@@ -125,7 +125,7 @@ class JournalJudge final : public service::ReplayObserver {
     const std::uint32_t ignored = bank.ignored_set_points(change.axis);
     const bool is_ignored = ignored != std::exchange(ignored_[change.axis], ignored);
     if (is_test_input(change.address)) return;
-    // The bench stops its axes only when it ends.
+    // A write without an author is one of the bench, which stops its axes only when it ends.
     is_over_ = is_over_ || (has_authors_ && author_.means == JournalAuthor::Means::none);
     take(change.axis, Write{.object = change.address,
                             .value = change.value,
@@ -134,7 +134,7 @@ class JournalJudge final : public service::ReplayObserver {
                             .writer = author_.session});
   }
 
-  /// Shows the next state even if it is unchanged.
+  /// Records a gap, after which the next state is shown even if it is unchanged.
   void lose(std::size_t axis, std::string_view cause) {
     take(axis, Gap{cause});
     shown_[axis] = {};
