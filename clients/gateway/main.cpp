@@ -23,7 +23,7 @@
 namespace vdrive::gateway {
 namespace {
 
-// [1/s] Above, a message would contain less than one tick of the usual period.
+// [1/s] Above the highest rate, messages would be sent faster than ticks of the default period.
 constexpr double kLowestRate = 1.0;
 constexpr double kHighestRate = 1000.0;
 // [characters] 64 bits in hexadecimal, too many to guess over a network.
@@ -103,7 +103,7 @@ std::string read_token(const std::string& file) {
   if (!stream || !std::getline(stream, token)) {
     throw BadArguments("--token: cannot read " + in_quotes(file));
   }
-  // Editors of other systems end lines with CR.
+  // Editors on Windows end lines with CR LF.
   while (!token.empty() && (token.back() == '\r' || token.back() == ' ')) token.pop_back();
   if (token.size() < kShortestToken ||
       // Only characters that need no escaping in a URL: clients send it as ?token=...
@@ -172,6 +172,6 @@ int run_command_line(int argument_count, const char* const* argument_list) {
 
 int main(int argument_count, char** arguments) {
   vdrive::bridge::open_standard_streams();
-  // Everything is released. Skips static destructors: one of the DDS library would sleep 100 ms.
+  // Everything has been released. A static destructor of the DDS library would sleep 100 ms.
   std::quick_exit(vdrive::gateway::run_command_line(argument_count, arguments));
 }

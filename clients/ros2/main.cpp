@@ -70,13 +70,13 @@ void complete(Arguments& arguments) {
   settings.is_prefixed = settings.is_prefixed || arguments.prefix;
   // After the file, because only now is it known whether the closed mode is used.
   settings.session.find_timeout = bridge::find_timeout_of(settings.session);
-  // A controller must not act on an old state: after a silence, a link discards the state and
+  // Nothing may be commanded from an old state: after a silence, a link discards the state and
   // starts to follow the bench again.
   settings.session.patience = settings.session.silence;
   resolve_topics(settings);
 }
 
-/// Blocks them in every thread; sigwait() receives them.
+/// Blocks SIGINT and SIGTERM in every thread; sigwait() receives them.
 sigset_t block_end_signals() {
   sigset_t signals{};
   sigemptyset(&signals);

@@ -12,7 +12,7 @@ set(VDRIVE_GATEWAY_PAGE_STAMP ${vdrive_page_work}/page.stamp)
 find_program(VDRIVE_NODE NAMES node nodejs)
 find_program(VDRIVE_NPM NAMES npm)
 
-# The imports in TypeScript already list the files, so none is kept here.
+# The imports in TypeScript already list the files, so there is no list here.
 file(
   GLOB_RECURSE vdrive_page_sources CONFIGURE_DEPENDS
   ${CMAKE_CURRENT_LIST_DIR}/src/*

@@ -41,8 +41,7 @@ bool is_address(std::string_view name) {
   });
 }
 
-/// A page of the gateway itself has the same host as origin. Its scheme is https if a proxy adds
-/// TLS.
+/// The origin of the gateway's own page is the host of the request, with https if a proxy adds TLS.
 bool is_own_origin(const UpgradeRequest& request, const AdmissionRules& rules) {
   for (const std::string_view scheme : {"http://", "https://"}) {
     if (is_same_text(request.origin, std::string(scheme).append(request.host))) return true;
@@ -67,7 +66,7 @@ std::string_view token_of(const UpgradeRequest& request) {
   return {};
 }
 
-/// The time does not depend on the position of the first difference.
+/// Takes the same time wherever the texts differ, so that timing does not reveal the token.
 bool is_token(std::string_view given, std::string_view token) {
   unsigned difference = given.size() == token.size() ? 0 : 1;
   for (std::size_t i = 0; i < token.size(); ++i) {

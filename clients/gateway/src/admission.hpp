@@ -15,7 +15,7 @@ enum class Refusal : std::uint8_t {
   origin,       ///< a foreign page
   token,        ///< missing or wrong
   subprotocol,  ///< none of those offered is supported
-  clients,      ///< the limit of clients is reached
+  clients,      ///< too many are connected
 };
 
 inline constexpr std::size_t kRefusals = 5;
@@ -48,9 +48,9 @@ struct Admission {
   std::string reason{};             ///< sentence, if refused
 };
 
-/// A foreign page could lead a browser here under its own name (DNS rebinding). An address, and a
-/// known name of this machine, are safe.
 /// @param host header of an HTTP request
+/// @return whether it is an address or a known name of this machine. Any other name may belong to a
+///         foreign page that leads a browser here (DNS rebinding).
 [[nodiscard]] bool is_own_host(std::string_view host, const AdmissionRules& rules);
 
 /// Decides on a request to open a WebSocket.

@@ -12,11 +12,11 @@
 
 namespace vdrive::gateway {
 
-/// The session to the benches, of the connection that holds control.
+/// The session in which the connection that holds control commands the benches.
 struct HeldSession {
   std::uint64_t id = 0;
   SessionPointer session;      ///< for calls
-  std::shared_ptr<Jogs> jogs;  ///< the axes that it jogs
+  std::shared_ptr<Jogs> jogs;  ///< jogs axes in this session
 };
 
 /// Parameters for a client, and what went wrong.

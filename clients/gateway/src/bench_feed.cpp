@@ -19,9 +19,9 @@ namespace {
 
 using std::chrono::milliseconds;
 
-// Delay with which a feed notices a new subscriber, or a request to end.
+// The longest delay until a feed notices a new subscriber or a request to end.
 constexpr milliseconds kIdle{50};
-// A state is repeated without new ticks too: users see within a second that a bench is silent.
+// The state is sent even without new ticks: users see within a second that a bench is silent.
 constexpr milliseconds kStatePeriod{200};
 // A fault is published sooner than `rate` allows, but axes that fail in quick succession share a
 // message.
@@ -187,7 +187,7 @@ bool BenchFeed::begin() {
   return true;
 }
 
-/// Takes ticks until `until`, or until something must be published immediately.
+/// Takes ticks until `until`, or until there is something to publish before that.
 void BenchFeed::follow(Clock::time_point until) {
   const Clock::time_point begin = Clock::now();
   while (true) {
@@ -291,8 +291,8 @@ void BenchFeed::add_axes(Batch& batch) {
   }
 }
 
-/// The first message contains the efforts of all axes. Their ratings hardly ever change, so later
-/// ones are read one at a time.
+/// Reads the ratings of all axes before the first message, so that it contains all efforts. Ratings
+/// hardly ever change, so after that one axis is read at a time.
 void BenchFeed::refresh_joints(Clock::time_point now) {
   if (next_rating_ != 0 && now < rating_due_) return;
   rating_due_ = now + kRatingPeriod;
@@ -346,7 +346,7 @@ void BenchFeed::publish_state(Clock::time_point now) {
        state_text(record->info, time, age, record->is_alive, owner_names(), owners_.takings()));
 }
 
-/// Does not wait: a name that is not yet known is in a later message.
+/// Does not wait: a name that is not known yet follows in a later message.
 OwnerNames BenchFeed::owner_names() const {
   OwnerNames names;
   for (const std::uint64_t owner : owners_.sessions()) {

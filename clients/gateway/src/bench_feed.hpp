@@ -54,8 +54,8 @@ class BenchNews {
   virtual void publish(Batch batch) = 0;
 };
 
-/// Publishes one bench. Its own thread follows the bench while a client receives one of its axes,
-/// never advances its clock, and encodes each message once for all receivers.
+/// Publishes one bench. Its thread follows the bench while a client receives one of the axes, never
+/// advances the bench's clock, and encodes each message once for all receivers.
 class BenchFeed {
  public:
   /// @param session outlives the feed, as do `roster`, which knows the bench, and `news`
@@ -110,7 +110,7 @@ class BenchFeed {
   bridge::BenchFollower follower_;
   std::optional<client::Observation> newest_;
   bool is_new_ = false;     ///< newest_ has not been published
-  bool is_urgent_ = false;  ///< it has an unpublished state or fault
+  bool is_urgent_ = false;  ///< newest_ has an unpublished state or fault
   std::vector<std::uint32_t> published_states_;
   std::uint64_t missed_ = 0;
   std::vector<std::size_t> traced_;    ///< indices of the axes

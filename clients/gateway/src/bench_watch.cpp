@@ -8,7 +8,7 @@ namespace {
 
 using std::chrono::milliseconds;
 
-// Changes wake the thread immediately; this limits the delay for a bench that announced none.
+// An announced change wakes the thread immediately; this limits the delay of any other change.
 constexpr milliseconds kPeriod{500};
 
 }  // namespace
@@ -26,8 +26,8 @@ BenchWatch::BenchWatch(client::Session& session, EventLog& events, FeedSettings 
     const auto feed = feeds_.find(event.bench);
     if (feed != feeds_.end()) feed->second->on_event(event);
   };
-  // Includes events that the benches have kept: this gateway may have been started after the ones
-  // that users look for.
+  // Includes events that the benches have kept: users may look for one from before this gateway was
+  // started.
   session_.on_event(take, client::EventHistory::kept);
   thread_ = std::jthread([this](const std::stop_token& stop) {
     run(stop);
@@ -106,7 +106,7 @@ void BenchWatch::remove(std::uint32_t bench, bool /*is_replaced*/) {
     feed = std::move(feeds_.at(bench));
     feeds_.erase(bench);
   }
-  // Without the lock: the feed's destructor waits for its thread, while events still arrive.
+  // Without the lock, which events need while the feed's destructor waits for its thread.
   news_.went(bench, feed->channels().all());
 }
 

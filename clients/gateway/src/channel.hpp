@@ -23,7 +23,7 @@ struct Channel {
 
   const ChannelInfo info;
   std::atomic<std::uint32_t> subscriptions = 0;
-  std::atomic<bool> has_new_receiver = false;  ///< it waits for its first message
+  std::atomic<bool> has_new_receiver = false;  ///< a receiver waits for its first message
   std::vector<Receiver> receivers{};           ///< used by the hub's thread
 
   /// @return whether at least one client receives it.

@@ -47,7 +47,7 @@ void ChannelTable::add(std::uint32_t bench, const std::vector<ChannelPointer>& c
   const SharedBytes text = advertisement(channels);
   advertisements_[bench] = text;
   send_to_all(text);
-  has_changed_ = true;  // sent later: a bench adds a thousand topics together
+  has_changed_ = true;  // the graph is sent later, once for all changes
 }
 
 void ChannelTable::remove(std::uint32_t bench, const std::vector<ChannelPointer>& channels) {

@@ -25,16 +25,16 @@ class ChannelTable {
 
   using Clock = std::chrono::steady_clock;
 
-  /// Tools show the time from these messages; 20 per second look smooth.
+  /// Tools show the time from time messages; 20 per second look smooth.
   static constexpr std::chrono::milliseconds kTimePeriod{50};
 
   /// The bench number of the gateway's own topics. No bench has it.
   static constexpr std::uint32_t kOwn = 0;
 
-  /// The problem of a subscription; empty = none.
+  /// Why a subscription was refused; empty = it was not.
   using Problem = std::string;
 
-  /// The most batches between the feeds and the server's thread.
+  /// The most batches that may wait for the server's thread.
   static constexpr std::size_t kMostBatches = 256;
 
   /// @param server outlives this object
@@ -51,7 +51,7 @@ class ChannelTable {
 
   void remove(std::uint32_t bench, const std::vector<ChannelPointer>& channels);
 
-  /// @param subscribed receives the channel
+  /// @param subscribed set to the channel
   [[nodiscard]] Problem subscribe(ConnectionId id, const Subscription& wanted,
                                   ChannelPointer& subscribed);
 
@@ -69,8 +69,8 @@ class ChannelTable {
   /// @return the number of dropped batches. Thread-safe.
   [[nodiscard]] std::uint64_t lost_batches() const noexcept { return lost_batches_; }
 
-  /// Sends a batch to the receivers of its topics. Also sends the time of the bench with the lowest
-  /// number, which is the clock of tools, to everybody, at most once per kTimePeriod.
+  /// Sends a batch to the receivers of its topics. At most once per kTimePeriod, also sends all
+  /// connections the time of the bench with the lowest number, which is the clock of tools.
   void publish(const Batch& batch, Clock::time_point now);
 
   /// @return whether topics or subscriptions have changed since the last call.

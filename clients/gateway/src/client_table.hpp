@@ -20,7 +20,7 @@ class ClientTable {
  public:
   void open(ConnectionId id);
 
-  /// Drops its calls that have not begun. @return whether the connection was open.
+  /// Drops calls that have not begun. @return whether the connection was open.
   bool close(ConnectionId id);
 
   [[nodiscard]] bool contains(ConnectionId id) const { return clients_.contains(id); }

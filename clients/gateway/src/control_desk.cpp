@@ -146,7 +146,7 @@ void ControlDesk::close(ConnectionId id, bool is_graceful) {
 
 void ControlDesk::end(bool is_graceful) {
   if (!holder_) return;
-  // Keeps no reference, so that access_.end() decides where the session is destroyed.
+  // Keeps no reference, so that access_.end() decides in which thread the session is destroyed.
   Holder ended = *std::exchange(holder_, std::nullopt);
   access_.end(std::move(ended.session), is_graceful);
 }

@@ -14,13 +14,13 @@
 
 namespace vdrive::gateway {
 
-/// Keeps who holds control through the gateway: at most one connection, with its own session to the
-/// benches. Decides what a connection may do, and publishes the holder. Used in the server's
-/// thread; sessions are opened in the threads of their connections.
+/// Knows who holds control through the gateway: at most one connection, which has its own session.
+/// Decides what a connection may do, and publishes the holder. Used in the server's thread;
+/// sessions are opened in the threads of their connections.
 class ControlDesk {
  public:
-  /// Limits of the silence after which the holder's program counts as a lost master. The holder may
-  /// choose a value between them; the default is the longest, as for every connection.
+  /// The holder's program counts as a lost master after this much silence. The holder may choose a
+  /// value from the shortest to the longest; the default is the longest, as for every connection.
   static constexpr std::chrono::milliseconds kShortestSilence{1'000};
   static constexpr std::chrono::milliseconds kLongestSilence = WebServer::kPatience.program;
 
@@ -49,7 +49,7 @@ class ControlDesk {
   /// Jogs an axis for the holder of control: see Jogs::request().
   void jog(const JogRequest& request, Jogs::Clock::time_point now, const Answer& answer);
 
-  /// An open connection requests control, a new name, or a new limit of its silence. A request with
+  /// An open connection requests control, a new name, or a new limit on its silence. A request with
   /// force takes control from another connection.
   /// @param answer called in the server's thread
   /// @throws ProtocolError when the request is wrong
@@ -71,7 +71,7 @@ class ControlDesk {
   struct Holder {
     ConnectionId id = 0;
     std::uint64_t taken_at = 0;           ///< [ns since 1970]
-    std::chrono::milliseconds silence{};  ///< limit of its silence
+    std::chrono::milliseconds silence{};  ///< limit on its silence
     HeldSession session;
   };
 

@@ -69,7 +69,7 @@ Json error_codes_json() {
   return list;
 }
 
-// Most bits have different meanings in different modes, so each mode has a list.
+// Some bits have different meanings in different modes, so each mode has a list.
 using NameOfBit = std::string_view (*)(std::uint16_t bit, OperatingMode mode);
 
 Json bits_json(NameOfBit name_of) {

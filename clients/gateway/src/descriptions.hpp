@@ -37,7 +37,7 @@ struct ControlState {
   bool is_enabled = false;  ///< clients may command through the gateway
   std::string holder{};     ///< name of the holding connection; empty = none
   std::uint64_t session = 0;
-  std::uint64_t taken_at = 0;           ///< [ns since the epoch]
+  std::uint64_t taken_at = 0;           ///< [ns since 1970]
   std::chrono::milliseconds silence{};  ///< after which the holder counts as a lost master; 0 = no
                                         ///< holder
 };

@@ -19,8 +19,8 @@ struct KnownBench {
   std::vector<std::string> axis_names;  ///< in the order of info.axes; unique
 };
 
-/// The benches found by the gateway, by number. A list never changes: a bench that appears or
-/// disappears creates a new list.
+/// The benches found by the gateway, by number. A list never changes: when a bench appears or
+/// disappears, a new list is made.
 using BenchList = std::shared_ptr<const std::vector<KnownBench>>;
 
 /// @return whether both have the same axes, names, units and period, so that their topics are the
@@ -28,7 +28,7 @@ using BenchList = std::shared_ptr<const std::vector<KnownBench>>;
 [[nodiscard]] bool have_same_topics(const client::BenchInfo& a, const client::BenchInfo& b);
 
 /// @return the bench with the names of its axes, made of letters, digits and _. If two axes have
-///         the same name, that of the second one gets its number appended.
+///         the same name, the number of the second one is appended to its name.
 [[nodiscard]] KnownBench known_bench(client::BenchInfo info);
 
 /// The object of an axis that a parameter name refers to.

@@ -31,10 +31,10 @@ class EventLog {
 
  private:
   struct Bench {
-    std::uint64_t incarnation = 0;  ///< bench run of `events`
+    std::uint64_t incarnation = 0;  ///< run of the bench that `events` are from
     std::deque<client::Event> events;
     std::map<client::EventKind, std::size_t> counts;  ///< in `events`
-    std::uint64_t added = 0;  ///< when the last one was added, as a count of all events
+    std::uint64_t added = 0;  ///< number of its latest event among those of all benches
   };
 
   static void forget_one(Bench& bench);

@@ -7,7 +7,7 @@
 
 namespace vdrive::gateway {
 
-/// Answers /freeze: the bench keeps what happens around now as a window of its black box.
+/// Answers /freeze: the black box of the bench keeps a window around the present tick.
 /// @throws ProtocolError when the request does not name a bench
 [[nodiscard]] CallAnswer call_freeze(client::Session& session, const Json& request);
 

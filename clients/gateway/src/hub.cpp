@@ -49,12 +49,12 @@ Hub::Hub(WebServer& server, const HubSettings& settings)
                  FeedSettings{.rate = settings.rate, .clients = &clients_.count()}, *this);
 }
 
-/// The server has ended before: every connection is closed, and nothing is posted any more.
+/// By now the server has ended: every connection is closed, and nothing is posted any more.
 Hub::~Hub() {
   // First: waiting calls of this session return, so that their threads can end.
   session_.interrupt();
   watch_.reset();
-  // Before the parts, which running calls of closed connections still use.
+  // Before the parts are destroyed: calls of closed connections may still run and use them.
   clients_.join_ended();
 }
 
@@ -187,11 +187,11 @@ void Hub::handle(ConnectionId id, const CallService& message) {
   calls_.handle(id, message);
 }
 
-// ---- access of the parts to benches
+// ---- the parts' access to the benches
 
 HeldSession Hub::open() {
   // The gateway has already found the benches that a client commands, but the holder's session is a
-  // new DDS participant, which on a busy machine may need longer to find them than a usual search.
+  // new DDS participant, which on a busy machine may take longer than usual to find them.
   constexpr std::chrono::seconds kFindTimeout{5};
   client::SessionOptions own = options_;
   own.find_timeout = std::max<std::chrono::milliseconds>(own.find_timeout, kFindTimeout);

@@ -29,7 +29,7 @@ struct HubSettings {
 };
 
 /// Connects the parts of the gateway: passes each message of a client to the part in charge, and
-/// provides the parts with session, server and time. Used in the thread of the web server.
+/// gives the parts access to the benches. Used in the thread of the web server.
 class Hub final : public WebEvents, public BenchNews, private BenchAccess {
  public:
   /// @param server outlives the hub

@@ -38,8 +38,7 @@ Jogs::~Jogs() {
   for (auto& [name, jog] : jogs_) let_go(jog);
 }
 
-// The jog checks it between two ticks and brakes by itself, so this thread need not wait for a
-// call.
+// The jog checks held_until between two ticks and brakes by itself, so this thread does not wait.
 void Jogs::let_go(Jog& jog) {
   if (jog.held_until) *jog.held_until = Clock::time_point::min();
 }
@@ -62,7 +61,7 @@ void Jogs::post(Jog& jog, const Answer& answer, Call call) {
 
 void Jogs::request(const JogRequest& request, Clock::time_point now, const Answer& answer) {
   if (jogs_.size() >= kMostAxes && !jogs_.contains(request.axis)) {
-    // A client that repeats no request has gone without releasing; another axis gets the place.
+    // Axes that are no longer requested, but were never released, give up their places.
     std::erase_if(jogs_, [now](const auto& entry) {
       return entry.second.calls == 0 && now - entry.second.asked > kHeldTime;
     });

@@ -20,7 +20,7 @@ using SessionPointer = std::shared_ptr<client::Session>;
 /// The axes that a client jogs: each runs while the client repeats its request within kHeldTime,
 /// then brakes to a standstill. One press is one jog: once it has ended, whether by silence, a stop
 /// or a fault, the axis does not run again until the client has released the button (velocity 0).
-/// For one thread; the calls of each axis run in its own thread.
+/// Used in one thread; the calls of each axis run in a thread for that axis.
 class Jogs {
  public:
   using Clock = std::chrono::steady_clock;

@@ -19,7 +19,7 @@ namespace vdrive::gateway {
 /// are repeated. Thread-safe.
 class JudgeDesk {
  public:
-  /// Per bench: judging more would take a core from the page.
+  /// Per bench: judging more axes would occupy a processor core that the page needs.
   static constexpr std::size_t kMostAxes = 256;
   static constexpr std::size_t kMostBenches = 16;
   /// Time without a call after which judging ends.
@@ -35,7 +35,7 @@ class JudgeDesk {
  private:
   using Clock = std::chrono::steady_clock;
 
-  /// A bench that is judged, by its own thread.
+  /// A bench that is judged, in its own thread.
   struct Judged {
     std::mutex mutex;
     judge::Verdict verdict{};

@@ -22,8 +22,8 @@ void OwnerLog::note(const client::Observation& observation) {
 void OwnerLog::note(const client::Event& event) {
   if (event.kind != client::EventKind::control_changed) return;
   const std::scoped_lock lock(mutex_);
-  const bool is_loss = event.code == 0;  // otherwise it is the new epoch of the session that gained
-                                         // control
+  const bool is_loss = event.code == 0;  // otherwise the code is the new epoch of the session that
+                                         // gained control
   if (is_loss) {
     append(lost_, {.axis = event.axis, .from = event.session, .by = 0, .tick = event.tick});
     return;

@@ -54,7 +54,7 @@ PageAnswer find_page_file(Page page, std::string_view target) {
   if (path.empty()) path = kIndex;
   for (const PageFile& file : page) {
     if (file.path != path) continue;
-    // Asset names contain a hash of their bytes, so another build has other names.
+    // Asset names contain a hash of the content, so a changed file has a new name.
     const bool is_lasting = path.starts_with("assets/");
     return {.status = 200,
             .content_type = type_of(path),

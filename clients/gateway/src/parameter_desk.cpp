@@ -103,7 +103,7 @@ ParameterAnswer write_parameters(client::Session& session, const std::vector<Kno
                            outcome.message());
     }
   }
-  // Reads the results, also of refused writes: a client shows the value in force.
+  // Reads the values back, even after refused writes: a client shows the value in force.
   ParameterAnswer answer = read_parameters(session, benches, names);
   answer.complaints.insert(answer.complaints.begin(), complaints.begin(), complaints.end());
   return answer;

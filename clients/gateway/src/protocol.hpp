@@ -178,8 +178,8 @@ struct Graph {
 [[nodiscard]] std::string advertise_services_text(std::span<const ServiceInfo> services);
 [[nodiscard]] std::string status_text(Level level, std::string_view message);
 
-/// The state of the gateway's network, which remains until the next one: a warning while there are
-/// troubles, otherwise the end of the warning.
+/// A warning about the gateway's network, which clients show until it is removed; without troubles,
+/// its removal.
 /// @param troubles from Session::network_troubles()
 [[nodiscard]] std::string network_text(const std::vector<std::string>& troubles);
 [[nodiscard]] std::string parameters_text(std::span<const Parameter> parameters,

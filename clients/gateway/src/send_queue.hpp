@@ -36,8 +36,8 @@ struct Frame {
   return {.is_text = true, .body = std::move(text)};
 }
 
-/// Limits of the queue of one connection: some seconds of the data for a page, and small enough for
-/// a few tens of slow clients.
+/// Limits of the queue of one connection: large enough for some seconds of a page's data, and small
+/// enough for a few tens of slow clients.
 struct QueueLimits {
   std::size_t data_bytes = 2U << 20U;
   std::size_t data_frames = 4096;

@@ -9,7 +9,7 @@
 
 namespace vdrive::gateway {
 
-/// The calls of services: checks the right, selects the thread that carries them out, and answers.
+/// Handles service calls: checks the right, selects the thread that carries them out, and answers.
 /// Used in the server's thread.
 class ServiceCalls {
  public:

@@ -116,8 +116,7 @@ Result<std::vector<Axis>> find_axes(Session& session, const std::vector<std::str
   return axes;
 }
 
-/// Splits axes into those that one group can have: of one bench, and at most as many as fit into a
-/// frame.
+/// Splits axes into parts that can be one group: of one bench, and no more than fit into a frame.
 std::vector<std::vector<Axis>> by_bench(std::vector<Axis> axes) {
   // Stable: axes of a bench are commanded in the order of the request.
   std::ranges::stable_sort(axes, {}, [](const Axis& axis) {
@@ -142,8 +141,8 @@ Outcome command_axes(Session& session, std::vector<Axis>& axes, const AxesServic
     }
     return outcome;
   }
-  // Not a group for a power cycle: it would wait until a later tick shows the axes again, and on a
-  // paused bench there is none.
+  // Not a group for a power cycle: a group would wait for a later tick that shows the axes again,
+  // and a paused bench has none.
   if (axes.size() == 1 || service.command == EachCommand::power_cycle) {
     for (Outcome& outcome : session.command_each(axes, *service.command, options(service.until))) {
       if (!outcome) return std::move(outcome);
@@ -276,7 +275,7 @@ CallAnswer call_home(Session& session, const Json& request) {
 
 CallAnswer call_disturb(Session& session, const Json& request) {
   const std::string name = optional_text(request, "name").value_or("");
-  // Checked before the axis is searched, so that a wrong word does not cost a wait.
+  // Checked before the search for the axis, so that a wrong name is refused without a wait.
   const auto* const row =
       std::ranges::find(client::kDisturbances, name, &client::DisturbanceRow::name);
   if (row == client::kDisturbances.end()) {

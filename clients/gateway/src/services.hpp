@@ -48,7 +48,7 @@ struct ServiceRow {
   std::string_view request;  ///< members, in the format of object_schema()
   /// Carries out the call and waits until the drive has acted on it. If both this and `axes` are
   /// null, another part carries out the call.
-  /// @throws ProtocolError when the request is wrong, with what and where.
+  /// @throws ProtocolError when the request is wrong; says what is wrong and where.
   CallAnswer (*call)(client::Session& session, const Json& request) = nullptr;
   std::optional<AxesService> axes{};  ///< instead of `call`
 

@@ -40,16 +40,16 @@ using Response = http::response<http::string_body>;
 
 // A client sends its request and reads its answer immediately; a slower one only occupies a place.
 constexpr std::chrono::seconds kHandshake{5};
-// Without a pause, running out of file descriptors would keep the thread busy with accepting.
+// Without a pause, running out of file descriptors would keep the thread busy accepting.
 constexpr std::chrono::milliseconds kAcceptPause{100};
-// Fine enough for the shortest patience of a client, 2 s.
+// Short compared with the shortest patience with a client, 1 s.
 constexpr std::chrono::milliseconds kWatchPeriod{250};
-// Ping answers are the only messages of a client that just receives: several fit into its patience.
+// A client that just receives sends only ping answers: several must fit into the usual patience.
 constexpr std::chrono::milliseconds kPingPeriod{500};
-// A turn polls parameters with one request to the bench for all clients, so at most twice a second.
-// A page that opens subscribes to a thousand topics: in one turn, they are one change of the graph.
+// A turn polls the parameters of all clients together, twice a second at most. A page that opens
+// subscribes to a thousand topics: within one turn, they are one change of the graph.
 constexpr std::chrono::milliseconds kTurn{500};
-// A report for each dropped message would add to the load that the client cannot read.
+// A report for each dropped message would add to what the client is too slow to read.
 constexpr std::chrono::milliseconds kDropReport{1000};
 // For the closing handshake: a client that is gone must not delay the end of the gateway.
 constexpr std::chrono::milliseconds kCloseTime{1000};
@@ -60,7 +60,7 @@ constexpr int kSendBuffer = 1 << 18;                  // [bytes] in the kernel, 
 constexpr std::ptrdiff_t kMostPlainConnections = 32;  // HTTP connections per use, in addition to
                                                       // the WebSockets
 
-// Limits for messages of a client: the page subscribes to a thousand axes together.
+// Limits on the messages of a client. The burst allows a page to subscribe to a thousand axes.
 constexpr TokenBucket::Rate kMessages{.per_second = 200.0, .burst = 4000.0};
 constexpr TokenBucket::Rate kBytes{.per_second = 1e6, .burst = 4e6};
 
@@ -128,7 +128,7 @@ class WebConnection final : public std::enable_shared_from_this<WebConnection> {
 
   [[nodiscard]] bool is_over() const noexcept { return phase_ == Phase::over; }
 
-  /// Whether it has not opened a WebSocket, or its use needs none.
+  /// Whether it has this use and has not opened a WebSocket.
   [[nodiscard]] bool is_plain(Use use) const noexcept {
     return use_ == use && phase_ == Phase::http;
   }
@@ -150,8 +150,8 @@ class WebConnection final : public std::enable_shared_from_this<WebConnection> {
   void set_patience(Patience patience) { patience_ = patience; }
 
   /// Pings, reports dropped messages, and closes lost connections. Called every kWatchPeriod.
-  /// @param own_delay time in which this gateway itself did not run, which does not count for the
-  ///        clients
+  /// @param own_delay time in which this gateway itself did not run; does not count as silence of a
+  ///        client
   void watch(Clock::time_point now, Clock::duration own_delay) {
     if (phase_ == Phase::closing && now >= close_deadline_) end(false);
     if (phase_ != Phase::open) return;
@@ -361,8 +361,8 @@ class WebConnection final : public std::enable_shared_from_this<WebConnection> {
   }
 
   void write_next() {
-    // Beast writes one message at a time; until then, later ones wait in the queue, where they can
-    // be dropped.
+    // Beast writes one message at a time; later ones wait in the queue, where they can still be
+    // dropped.
     if (is_writing_ || phase_ != Phase::open) return;
     auto frame = queue_.pop();
     if (!frame) return;
@@ -426,7 +426,7 @@ class WebConnection final : public std::enable_shared_from_this<WebConnection> {
   bool is_writing_ = false;
   bool is_pinging_ = false;
   bool is_overfull_ = false;        ///< more answers wait than allowed
-  bool has_announced_end_ = false;  ///< the server has ended the connection
+  bool has_announced_end_ = false;  ///< the client was told that the server ends
   TokenBucket messages_{kMessages};
   TokenBucket bytes_{kBytes};
   Patience patience_ = WebServer::kPatience;
@@ -513,7 +513,7 @@ struct WebServer::State {
       const auto now = Clock::now();
       const auto delay = now - watch_timer.expiry();
       const auto own_delay = delay > kWatchPeriod ? delay : Clock::duration::zero();
-      // An event of one connection may affect others, but this loop adds and removes none.
+      // An event of one connection may affect others, but none is added or removed in this loop.
       for (const auto& [id, connection] : connections) connection->watch(now, own_delay);
       if (is_stopping && (connections.empty() || Clock::now() >= stop_deadline)) {
         context.stop();

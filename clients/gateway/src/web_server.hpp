@@ -78,7 +78,7 @@ class WebEvents {
 /// they send, on their queues and on their silence. One thread.
 class WebServer final : public HubServer {
  public:
-  /// For a client without control. Each is pinged twice a second.
+  /// For a client without control. Every client is pinged twice a second.
   static constexpr Patience kPatience{.program = std::chrono::milliseconds(10'000),
                                       .machine = std::chrono::milliseconds(10'000)};
 
@@ -96,7 +96,7 @@ class WebServer final : public HubServer {
   [[nodiscard]] std::optional<std::uint16_t> metrics_port() const;
 
   /// Serves until stop(), SIGINT or SIGTERM. On return every connection is closed, and on_close()
-  /// was called for it.
+  /// has been called for each WebSocket.
   void run(WebEvents& events);
 
   /// Ends run(). Thread-safe.

@@ -11,7 +11,7 @@
 namespace vdrive::ros2 {
 namespace {
 
-constexpr std::size_t kMostNames = 256;  // as many as a bench has
+constexpr std::size_t kMostNames = 256;  // as many as a bench stores
 
 }  // namespace
 
@@ -43,7 +43,7 @@ void Bench::set_rate(double rate) {
 void Bench::add_name(std::uint64_t session, client::SessionName name) {
   const std::scoped_lock lock(mutex_);
   auto names = seen_.names ? *seen_.names : Names();
-  // Sessions come and go; the newest ones are those that hold axes.
+  // Sessions come and go. The names of those that still hold axes are learned again.
   if (names.size() >= kMostNames) names.clear();
   names.insert_or_assign(session, std::move(name));
   seen_.names = std::make_shared<const Names>(std::move(names));

@@ -33,7 +33,7 @@ class Bench {
   using Limits = std::shared_ptr<const std::vector<JointLimits>>;
   using Names = std::map<std::uint64_t, client::SessionName>;
 
-  /// The information about the bench.
+  /// The newest information about the bench.
   struct Seen {
     State state{};                         ///< the newest one; null while the bench sends no status
     Limits limits{};                       ///< of all joints; null before they were read
@@ -69,7 +69,7 @@ class Bench {
   /// Records the name of a session that holds axes.
   void add_name(std::uint64_t session, client::SessionName name);
 
-  /// @param request the `limits` of the wishes before the limits were read
+  /// @param request Wishes::limits as taken before the limits were read
   void set_limits(Limits limits, std::uint64_t request);
 
   /// A newer wish replaces one that has not been taken yet.

@@ -95,7 +95,7 @@ class BenchMotion {
 
   // ---- each cycle
 
-  /// Takes over the state of the bench and sends what is due.
+  /// Takes the newest state of the bench and sends what is due.
   /// @return the trajectories that ended early.
   BrokenTrajectories update(Clock::time_point now);
 

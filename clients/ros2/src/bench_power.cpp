@@ -18,11 +18,11 @@ using bridge::Severity;
 // a second is long for a drive and short for a waiting operator.
 constexpr std::chrono::milliseconds kRepeatWords{500};
 
-// Five seconds of attempts: after that, report what prevents the drive from powering on.
+// Five seconds of attempts; after that, the failure is reported.
 constexpr int kMostAttempts = 10;
 
-// In lock-step the watchdog of a bench counts drive time, of which the session's own keep-alive
-// knows nothing. The watchdog allows 500 ms unless configured otherwise: a step of some ten ticks
+// In lock-step the watchdog of a bench counts drive time, but the session's own keep-alives follow
+// wall time. The watchdog allows 500 ms unless configured otherwise: a step of a few tens of ticks
 // must not use that up.
 constexpr double kKeepAlive = 0.02;  // [s] of drive time
 
@@ -42,8 +42,8 @@ BenchPower::BenchPower(std::uint64_t session, Bench& bench, bridge::Reports& rep
 void BenchPower::want_enabled(bool wanted, bool resets_faults) {
   wants_enabled_ = wanted;
   resets_faults_ = wanted && resets_faults;
-  // Both are kept when enabling is cancelled: controlwords may still be in flight, and the newest
-  // state may be older than they are.
+  // to_enable_ and words_due_ are kept when enabling is cancelled: controlwords may still be in
+  // flight, and the newest state may be older than they are.
   if (wanted) {
     to_enable_.assign(to_enable_.size(), true);
     words_due_ = {};
@@ -102,8 +102,8 @@ BenchPower::Frames BenchPower::enable(const client::Observation& state, Clock::t
     const bool is_hopeless = axis.state() == PowerState::fault && !resets_faults_;
     if (is_enabled(axis) || is_hopeless) to_enable_[i] = false;
     if (!to_enable_[i]) continue;
-    // A drive without transition 16 does not react: at rest, it may be enabled by way of a state
-    // without power.
+    // A drive without transition 16 does not react to the first attempt. At rest, it may be enabled
+    // through a state without power.
     const bool keeps_power = attempts_ == 0 || axis.status.velocity_demand_value != 0;
     auto points =
         client::set_points_to(client::EachCommand::enable, axis,

@@ -39,7 +39,8 @@ class BenchPower {
   /// @return the controlwords that are due, in order.
   [[nodiscard]] Frames words(const client::Observation& state, Clock::time_point now);
 
-  /// @return whether the bench needs a keep-alive now: in realtime the session sends them itself.
+  /// @return whether the bench needs a keep-alive now. Only in lock-step: otherwise those of the
+  ///         session are enough.
   [[nodiscard]] bool is_keep_alive_due(const client::Observation& state);
 
  private:

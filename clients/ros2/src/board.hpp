@@ -20,7 +20,7 @@ namespace vdrive::ros2 {
 /// The published data of a bench: its newest state, once the set-points for the following ticks
 /// have been sent.
 struct BenchView {
-  std::shared_ptr<const Bench> bench{};  ///< its joints; null if the bridge does not serve it
+  std::shared_ptr<const Bench> bench{};  ///< without joints if the bridge does not serve it
   Bench::State state{};                  ///< null while the bench sends no status
   Bench::Limits limits{};
   std::shared_ptr<const Bench::Names> names{};

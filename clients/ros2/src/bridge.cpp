@@ -61,7 +61,7 @@ void Bridge::report_library(const std::string& words) {
 }
 
 Bridge::~Bridge() {
-  // Otherwise the session would end after the reports that its observer uses.
+  // Otherwise the observer could still use the reports, which are destroyed before the session.
   session_.on_event({});
 }
 

@@ -19,7 +19,7 @@ class Bridge {
   /// @return the number of its session, shown as the owner of axes.
   [[nodiscard]] std::uint64_t session() const noexcept { return session_.id(); }
 
-  /// Reports a message from the log of the DDS library. Any thread except those that receive.
+  /// Reports a message from the log of the DDS library. For any thread except those that receive.
   void report_library(const std::string& words);
 
  private:
@@ -34,7 +34,7 @@ class Bridge {
   ros::Subscription<ros::JointState> commands_;
   ros::Subscription<ros::JointTrajectory> trajectories_;
   ros::Subscription<ros::Bool> enable_;
-  // Declared after everything that it uses: it is destroyed first, and disables the axes then.
+  // After everything that it uses: it disables the axes when it is destroyed.
   Controller controller_;
   JointPublisher publisher_;
 };

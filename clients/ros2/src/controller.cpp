@@ -18,7 +18,7 @@ using std::chrono::milliseconds;
 // While positions are being streamed, each cycle sends the next ones: the shortest lead is 8 ms.
 constexpr milliseconds kBusyTurn{2};
 constexpr milliseconds kTurn{5};  // a message wakes it earlier
-// Limited, because a service manager or a user with Ctrl-C waits for the end, and a bench may have
+// Limited, because a service manager or a user waits for the program to end, and a bench may be
 // gone.
 constexpr std::chrono::seconds kEnd{2};
 
@@ -52,7 +52,7 @@ std::vector<client::BenchInfo> Controller::present_benches() {
 }
 
 std::unique_ptr<FollowedBench> Controller::connect(Bench& bench) {
-  // In lock-step a step waits for the set-points; otherwise the next cycle is near.
+  // In lock-step a step waits for the set-points; otherwise the next cycle is soon enough.
   const bool is_urgent = bench.info().clock_mode == client::ClockMode::lockstep;
   return std::make_unique<FollowedBench>(session_, bench, reports_, [this, is_urgent] {
     if (is_urgent) inbox_.wake();

@@ -30,7 +30,7 @@ void add(DiagnosticStatus& status, const char* key, std::string value) {
   status.values.push_back(std::move(pair));
 }
 
-/// @return the name of the controller of the axes of a bench, for the diagnostics.
+/// @return the owner of the axes of a bench, as text for the diagnostics.
 std::string control_of(const BenchView& view) {
   if (const auto owner = bridge::other_owner(view.state->axes, view.session))
     return owner_text(*owner, view.names.get());

@@ -27,7 +27,8 @@ class Drops {
 };
 
 /// @param words a message from the log of the DDS library
-/// @return a readable form of it if it says that a message is larger than its reader accepts.
+/// @return a readable form of it if it says that a message is larger than its reader accepts;
+///         otherwise `words`.
 [[nodiscard]] std::string dropped_message(const std::string& words);
 
 }  // namespace vdrive::ros2

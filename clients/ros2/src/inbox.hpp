@@ -26,8 +26,8 @@ struct Received {
 /// Passes messages from the DDS threads to the commanding thread, and wakes it. Thread-safe.
 class Inbox {
  public:
-  /// Most waiting messages: more than half a second of commands at 100 Hz. A trajectory may have 4
-  /// MB.
+  /// The most messages that may wait: more than half a second of commands at 100 Hz. A trajectory
+  /// may have 4 MB.
   static constexpr std::size_t kMostMessages = 64;
 
   /// The messages that have arrived.
@@ -36,7 +36,7 @@ class Inbox {
     std::uint64_t dropped = 0;  ///< messages dropped since the last take()
   };
 
-  /// Does not wait. When it is full, the oldest message is dropped and counted, because the newest
+  /// Does not wait. When full, the oldest message is dropped and counted, because the newest
   /// command is the one that matters.
   void put(Received received);
 

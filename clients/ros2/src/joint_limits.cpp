@@ -64,8 +64,8 @@ std::optional<JointLimits> limits_of(const client::Axis& axis, const ServedJoint
   const double lower = real("user_position_lower_limit"_object);
   const double upper = real("user_position_upper_limit"_object);
   const bool has_limits = real("app_position_limit_switch"_object) != 0.0 && lower < upper;
-  // On a modulo axis, 6062h shows the end of a motion only within the range: beyond it, the bridge
-  // would consider the axis as not arrived.
+  // On a modulo axis, 6062h stays within the range: with a goal beyond it, the bridge would never
+  // see the axis arrive.
   const double first = real("min_position_range_limit"_object);
   const double end = real("max_position_range_limit"_object);
   const bool has_range = first < end;

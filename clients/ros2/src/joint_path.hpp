@@ -54,7 +54,7 @@ struct PathPoint {
 /// The path of one joint through the points of a trajectory. Between two points that both have
 /// velocity and acceleration it is a quintic polynomial, between two that both have a velocity a
 /// cubic one, otherwise a straight line, as in joint_trajectory_controller. A path of straight
-/// lines that starts in motion begins with a cubic one that ends with the speed of the next line.
+/// lines that starts in motion begins with a cubic that ends with the speed of the next line.
 class JointPath {
  public:
   /// @param start motion of the joint at time 0
@@ -62,8 +62,8 @@ class JointPath {
   JointPath(const JointMotion& start, std::span<const PathPoint> points);
 
   /// @param time [s] since the start
-  /// @return the motion at that time: before the start that at the start, after the end rest at the
-  ///         last point.
+  /// @return the motion at that time: before the start, the motion at the start; after the end,
+  ///         rest at the last point.
   [[nodiscard]] JointMotion at(double time) const noexcept;
 
   /// The duration [s].
@@ -71,7 +71,7 @@ class JointPath {
 
   /// Checks the extremes of every piece. A joint that starts beyond a position limit may return.
   /// @return the first limit that the path would violate, such as "velocity 12 rad/s at 0.25 s is
-  ///         above the limit 10 rad/s"; nothing if it keeps all of them.
+  ///         beyond the limit 10 rad/s"; nothing if it keeps all of them.
   /// @param unit "rad" or "m"
   [[nodiscard]] std::optional<std::string> check(const JointLimits& limits,
                                                  const std::string& unit) const;

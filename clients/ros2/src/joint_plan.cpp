@@ -22,8 +22,8 @@ constexpr double kShortestMargin = 0.004;  // [s] delays within one machine
 constexpr double kLongestInterval = 0.1;  // [s]
 constexpr double kFirstInterval = 0.01;   // [s] until a second value gives the interval
 
-// One late command changes the line by only a quarter: writers without real-time capability are
-// uneven.
+// One late command changes the interval by only a quarter of the delay: writers without real-time
+// capability send unevenly.
 constexpr double kShareOfNewest = 0.25;
 
 // A set-point that is late again and again has another problem, which the operator must know about.

@@ -63,7 +63,7 @@ class JointPlan {
     return task_ == JointTask::trajectory ? trajectory_ : 0;
   }
 
-  /// @return whether the drive moves, or may move, for another reason than a stream of positions.
+  /// @return whether the drive moves, or may move, for a reason other than a stream of positions.
   [[nodiscard]] bool moves_by_itself(const JointCycle& now) const noexcept;
 
   /// @return the motion of the joint in `tick`, the last one for which positions were sent.
@@ -71,7 +71,7 @@ class JointPlan {
 
   // ---- commands
 
-  /// Goes to a position; a joint that moves for another reason comes to rest first.
+  /// Goes to a position; a joint that moves by itself comes to rest first.
   /// @return whether its positions start with this command
   [[nodiscard]] bool go_to(const JointCycle& now, double position);
 

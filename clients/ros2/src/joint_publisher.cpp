@@ -15,7 +15,7 @@ namespace {
 
 using std::chrono::milliseconds;
 
-// Period in which a bench in lock-step is checked for the end of its step, which must be published.
+// How often a bench in lock-step is checked for the end of a step, whose state must be published.
 constexpr milliseconds kSilentTurn{10};
 constexpr milliseconds kEndOfStep{20};  // without a further tick for this time, the step has ended
 
@@ -67,7 +67,7 @@ bool StateTimes::is_due_in_lockstep(Published& published, const client::BenchInf
     published.waiting = tick;
     published.waiting_since = now;
   }
-  // In doubles, because the bench may count from a lower number.
+  // In doubles, because the bench may have gone back to a lower tick.
   const double passed = (static_cast<double>(tick) - static_cast<double>(published.tick)) *
                         std::chrono::duration<double>(bench.period).count();
   return passed * rate_ >= 1.0 || passed < 0.0 || now - published.waiting_since >= kEndOfStep;

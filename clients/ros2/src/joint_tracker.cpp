@@ -31,7 +31,7 @@ JointMotion JointTracker::step(double period, const JointLimits& limits) noexcep
       std::min(limits.velocity, speed_that_stops(std::abs(way), limits.ramp, period));
   const double wanted = std::clamp((reference_ - now_.position) / period,
                                    way < 0.0 ? -fastest : 0.0, way > 0.0 ? fastest : 0.0);
-  // The ramp takes precedence: a speed above a limit that was just lowered is reduced slowly.
+  // The ramp takes precedence: a speed above a limit that was just lowered is reduced along it.
   const double most = limits.ramp * period;
   const double speed = std::clamp(wanted, now_.velocity - most, now_.velocity + most);
   const double before = now_.velocity;

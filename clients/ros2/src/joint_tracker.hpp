@@ -26,7 +26,7 @@ class JointTracker {
   void stop(const JointLimits& limits) noexcept;
 
   /// @param period [s] elapsed time, above 0
-  /// @param limits uses velocity and ramp; both above 0
+  /// @param limits only velocity and ramp are used; both above 0
   JointMotion step(double period, const JointLimits& limits) noexcept;
 
   [[nodiscard]] bool is_at_rest() const noexcept {

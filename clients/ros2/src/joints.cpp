@@ -52,7 +52,6 @@ OperatingMode mode_of(CommandInterface interface) noexcept {
   return OperatingMode::cyclic_synchronous_position;
 }
 
-/// The set-point before a stream that has a set-point for each tick.
 client::SetPoint begin_stream(std::uint16_t axis, OperatingMode mode) {
   return {.axis = axis, .mode = mode, .objects = client::objects_before_stream()};
 }

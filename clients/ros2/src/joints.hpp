@@ -59,8 +59,8 @@ struct JointPlace {
 class JointDirectory {
  public:
   /// Adds the joints of a bench, all or none.
-  /// @return the reason if it adds none, with the joint: the name occurs twice, or on another
-  ///         bench.
+  /// @return why it adds none, with the joint whose name occurs twice or on another bench; nothing
+  ///         if it adds all.
   [[nodiscard]] std::optional<std::string> add(std::uint32_t bench,
                                                const std::vector<ServedJoint>& joints);
 

@@ -37,7 +37,7 @@ class CommandReader {
     for (const std::string& name : names_) {
       std::string reason;
       joints_.push_back(find(name, reason));
-      // The other joints of the message move: a robot may have joints that are on no bench.
+      // The other joints of the message still move: a robot may have joints that are on no bench.
       if (!joints_.back()) problem("joint " + in_quotes(name) + " " + reason + ": ignored");
       if (!seen.insert(name).second) {
         problem("joint " + in_quotes(name) + " is named twice: ignored");

@@ -21,9 +21,8 @@ std::int64_t stamp_of(const client::BenchInfo& bench, std::uint64_t tick) {
   const std::int64_t drive_time =
       static_cast<std::int64_t>(tick) * std::chrono::nanoseconds(bench.period).count();
   if (bench.clock_mode != client::ClockMode::realtime) return drive_time;
-  // ROS nodes on this machine compare stamps with the time of day. The time of a bench whose ticks
-  // were scaled or paused differs from that: its stamps would look old, and transforms would be
-  // dropped.
+  // ROS nodes on this machine compare stamps with the time of day. The time of a bench that was
+  // scaled or paused differs from that: its stamps would look old, and transforms would be dropped.
   const std::int64_t now = bridge::wall_time();
   return std::abs(now - drive_time) < kNanosecondsPerSecond ? drive_time : now;
 }
@@ -44,7 +43,7 @@ std::string StampOrder::problem(const wire::WriterId& writer, std::int64_t stamp
 
 void StampOrder::note(const wire::WriterId& writer, std::int64_t stamp) {
   if (stamp == 0) return;
-  // Writers come and go with new numbers. Forgetting all of them costs at most one stamp each.
+  // Writers come and go with new numbers. If all are forgotten, one stamp of each is not compared.
   if (last_.size() >= kMostWriters && !last_.contains(writer)) last_.clear();
   last_[writer] = stamp;
 }

@@ -29,7 +29,7 @@ inline constexpr double kSecondsPerNanosecond = 1e-9;
 }
 
 /// @return the time of a tick: drive time; for a bench in realtime whose drive time differs from
-///         the time of day, the time of day.
+///         the time of day by 1 s or more, the time of day.
 [[nodiscard]] std::int64_t stamp_of(const client::BenchInfo& bench, std::uint64_t tick);
 
 /// Checks the stamps of messages: those of one writer must not go back, and none may be far ahead
@@ -44,8 +44,8 @@ class StampOrder {
 
   /// @param stamp [ns]; 0 = none, which is always valid
   /// @param now the time of the bench [ns]; nothing while it sends no status
-  /// @return the error in the stamp, such as "its stamp is 2 s earlier than that of the one
-  ///         before"; empty if it is valid.
+  /// @return the error in the stamp, such as "its stamp is 2 s earlier than the previous one";
+  ///         empty if it is valid.
   [[nodiscard]] std::string problem(const wire::WriterId& writer, std::int64_t stamp,
                                     std::optional<std::int64_t> now) const;
 

@@ -37,7 +37,7 @@ class BenchAccess {
   virtual client::Outcome send_set_points(std::uint32_t bench,
                                           const SetPointStream::Frames& frames) = 0;
 
-  /// Ends the motions of a bench whose run has ended.
+  /// Ends the trajectories of a bench whose run has ended.
   virtual void end_run(BenchMotion& motion) = 0;
 };
 
@@ -81,7 +81,7 @@ class ServedBenches final : private bridge::BenchHost {
   /// @return the time of the newest tick of a bench, as in its messages [ns]; nothing without one.
   [[nodiscard]] std::optional<std::int64_t> time_of(std::uint32_t bench) const;
 
-  /// @return whether one of them advances by steps.
+  /// @return whether one of the benches advances by steps.
   [[nodiscard]] bool any_in_lockstep() const;
 
   /// @return the published data of these benches, and of those that are left out.

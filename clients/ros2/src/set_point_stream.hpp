@@ -29,7 +29,7 @@ class SetPointLead {
   ///         needed, because a new position is delayed by them.
   [[nodiscard]] std::uint64_t window(bool is_trajectory) const;
 
-  /// @return how many ticks before its start a trajectory is taken over.
+  /// @return the number of ticks before its start at which the stream accepts a trajectory.
   [[nodiscard]] std::uint64_t ahead_of_trajectory() const;
 
   /// Reacts to late set-points: the machine, or the connection to the bench, is slower than the

@@ -67,7 +67,7 @@ constexpr auto kJointRows = std::to_array<Row<JointSetting>>({
 /// A joint is given as the name of its axis, or as a map.
 void read_joints(const YamlValue& map, Settings& settings) {
   std::vector<JointSetting>& joints = settings.joints;
-  joints.clear();  // the key replaces, it does not add
+  joints.clear();  // the key replaces earlier joints
   map.for_each_entry({}, [&](const std::string& name, const YamlValue& value) {
     JointSetting joint{.name = name, .axis = {}};
     if (value.is_map()) {

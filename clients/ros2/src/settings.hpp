@@ -36,7 +36,7 @@ struct TopicNames {
 /// A joint named in the configuration.
 struct JointSetting {
   std::string name;
-  std::string axis;                              ///< "1.2", "1.lift" or the axis' own name
+  std::string axis;                              ///< "1.2", "1.lift" or the name of the axis
   std::optional<CommandInterface> interface {};  ///< the only one that may command it
 };
 

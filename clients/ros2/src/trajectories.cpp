@@ -107,7 +107,7 @@ void add_path(const Trajectory& trajectory, std::size_t joint, BenchMotion& moti
 TrajectoryStart plan_start(const Trajectory& trajectory, const ServedBenches& benches,
                            double tolerance) {
   TrajectoryStart start;
-  // All starts before the first path: if one bench waits, the others wait too.
+  // Finds all starts before it plans a path: if one bench waits, the others wait too.
   for (const JointPlace& joint : trajectory.joints) {
     if (start.begins.contains(joint.bench)) continue;
     start.begins[joint.bench] =
@@ -165,7 +165,7 @@ std::string Trajectories::problem_of(const Trajectory& trajectory,
 std::string Trajectories::obstacle_to(const Trajectory& trajectory) const {
   for (std::size_t i = 0; i < trajectory.joints.size(); ++i) {
     const JointPlace& joint = trajectory.joints[i];
-    // While it waited, its bench may have gone, and another one with that name may have appeared.
+    // While it waited, the bench of a joint may have gone, and the name may be on another one now.
     const bool is_present = benches_.find_joint(trajectory.names[i]) == joint;
     const std::string problem =
         is_present ? benches_.motion_of(joint.bench).trajectory_obstacle(joint.place)
@@ -191,7 +191,7 @@ void Trajectories::take(const ros::JointTrajectory& message, const wire::WriterI
   stamps_.note(writer, trajectory->start);
   // A new trajectory replaces one that has not started.
   waiting_ = Waiting{.trajectory = std::move(*trajectory), .limits = {}};
-  // Check it against the present limits, which another program may have just changed.
+  // It is checked against limits read from now on: another program may have just changed them.
   for (const JointPlace& joint : waiting_->trajectory.joints) {
     if (waiting_->limits.contains(joint.bench)) continue;
     waiting_->limits[joint.bench] = benches_.motion_of(joint.bench).bench().request_limits();

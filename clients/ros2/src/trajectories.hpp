@@ -31,8 +31,8 @@ class Trajectories {
   /// started.
   void take(const ros::JointTrajectory& message, const wire::WriterId& writer);
 
-  /// Records that the axes were enabled or disabled: each writer begins with a new stamp, and
-  /// without power no waiting trajectory starts.
+  /// Records that the axes were enabled or disabled: the next stamp of each writer counts as its
+  /// first, and a trajectory that waits is dropped on disabling.
   void note_enable(bool is_enabled);
 
   /// Starts trajectories that are due.
@@ -44,14 +44,14 @@ class Trajectories {
   /// Breaks off the trajectory of a bench whose run has ended.
   void end_with(BenchMotion& motion);
 
-  /// Reports those whose set-points have all been sent.
+  /// Reports and forgets trajectories whose set-points have all been sent.
   void forget_ended();
 
  private:
   /// A trajectory that waits for its time, or for the limits.
   struct Waiting {
     Trajectory trajectory;
-    std::map<std::uint32_t, std::uint64_t> limits;  ///< required values of limits_read(), by bench
+    std::map<std::uint32_t, std::uint64_t> limits;  ///< required Seen::limits_read, by bench
     bool is_checked = false;
   };
 

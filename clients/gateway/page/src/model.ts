@@ -33,7 +33,7 @@ const MOST_NOTES = 4;
 const MOST_NOTICES = 5;
 const MOST_NAMES = 1_000;
 const MOST_LISTED = 4;
-/** a bench with at most this many axes: its status costs next to nothing */
+/** The status of a bench with at most this many axes costs next to nothing. */
 const SMALL_BENCH = 256;
 const SILENT_FROM_MS = 1_000;
 const GONE_FROM_MS = 3_000;
@@ -45,7 +45,7 @@ export const SILENCES_S = [1, 2, 3, 5, 10];
 export const SECOND_PRESS_MS = 500;
 /** Stops, and jogs, which move only while a button is held: never treated as a double click. */
 const NEVER_LEFT_OUT: ReadonlySet<string> = new Set(["/quick_stop", "/halt", "/jog"]);
-/** They are answered while the axis is still braking. */
+/** Services that are answered while the axis is still braking. */
 const STOPS_MOTION: ReadonlySet<string> = new Set(["/quick_stop", "/halt"]);
 
 /** @return the axes that a request addresses. */
@@ -73,7 +73,7 @@ interface Press {
 /** @param text as written by the gateway */
 const sessionOf = (text: string): bigint => BigInt(`0x${text.replace(/^0x/, "")}`);
 
-/** One frame of the status of all axes of a bench: arrays by the names of the core. */
+/** A bench with the newest status of all its axes: arrays by the names of the core. */
 export class Bench {
   private described?: BenchDescription;
   private readonly axes = new Map<number, AxisDescription>();
@@ -212,7 +212,7 @@ function loadSettings(): Settings {
 /** The text typed into a field, which outlives the view of the field. */
 export interface Typed {
   text: string;
-  /** scale of the unit shown at that moment */
+  /** scale of the unit shown when it was typed */
   scale: Scale;
 }
 
@@ -325,7 +325,7 @@ export class Model {
     this.connection.open();
   }
 
-  /** @return the axes that move or press, controlled by this page, by another client, or by nobody. */
+  /** @return the axes that move or apply torque, by who controls them: this page, another client, or nobody. */
   moving(): Moving {
     const moving: Moving = { own: [], holders: [], free: [] };
     const holder = this.holderSession();
@@ -604,7 +604,7 @@ export class Model {
         return this.connection.subscribe(topic, (message) => {
           bench.description = checked(BENCH_DESCRIPTION, message, topic);
           this.noteRun(bench);
-          this.follow(); // of a small bench, the status too
+          this.follow(); // subscribes to the status of a small bench
         });
       case "state":
         return this.connection.subscribe(topic, (message) => {
@@ -624,7 +624,7 @@ export class Model {
     }
   }
 
-  /** A restarted bench has lost the values that were set. */
+  /** Notices a restart of the bench, in which the values that were set are lost. */
   private noteRun(bench: Bench): void {
     const { incarnation = "", name = "" } = bench.description ?? {};
     const before = this.incarnations.get(bench.number);

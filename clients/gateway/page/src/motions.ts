@@ -67,7 +67,7 @@ export class Motions {
     return new Map([...one, ...resumed, ...moves.map((move) => [move.axis, move.position] as const)]);
   }
 
-  /** The page has lost control or its connection, and will not learn how they end. */
+  /** The page has lost control or its connection, and will not learn how its motions end. */
   lose(): void {
     for (const { motion, close } of this.followed.values()) {
       motion.end ??= { kind: "lost" };
@@ -75,7 +75,7 @@ export class Motions {
     }
   }
 
-  /** Another run of the bench knows nothing of them; a separate line reports that run. */
+  /** A new run of the bench knows nothing of the motions; a separate line reports the restart. */
   forgetBench(number: number): void {
     for (const [address, { ref }] of this.followed) if (ref.bench.number === number) this.forget(address);
   }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The samples of one axis, filled by its trace channel: every tick.
+// The samples of one axis in every tick, received from its trace channel.
 
 import { CONTROLWORD, Samples } from "./data/samples";
 import { heldSetPoints } from "./data/setpoints";
@@ -57,7 +57,7 @@ export class Trace extends Samples {
     this.leave();
   }
 
-  /** While a view shows the axis, its controlword is read, which no topic contains. */
+  /** While a view shows the axis, polls its controlword, which no topic contains. */
   show(on: boolean): void {
     window.clearInterval(this.timer);
     this.timer = 0;

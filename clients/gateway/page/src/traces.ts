@@ -4,7 +4,7 @@
 import { addressOf, type AxisRef, type Model } from "./model";
 import { Trace } from "./trace";
 
-/** Each may have some tens of megabytes. */
+/** Each may take some tens of megabytes. */
 export const MOST_TRACES = 8;
 
 export class Traces {

@@ -22,7 +22,7 @@ async function ask(model: Model, service: string, request: object) {
   return answer;
 }
 
-/** Makes the bench keep the present: from 2 s before it to 0.5 s after it.
+/** Makes the bench keep a window around the present: from 2 s before to 0.5 s after.
  *  @return the number of the window
  *  @throws Error with the reason of the gateway */
 export async function freeze(model: Model, bench: number): Promise<number> {

@@ -35,7 +35,7 @@ test("a strip of one value is a line in the middle", () => {
 });
 
 test("two lines of a strip share a scale", () => {
-  // 5 of 0 to 20 is a quarter above the bottom
+  // on a scale from 0 to 20, 5 is a quarter above the bottom
   const scale = scaleOf([0, 20], [5, 5]);
   assert.equal(strip([5, 5], scale, 10, 40), "0.0,30.0 10.0,30.0");
 });

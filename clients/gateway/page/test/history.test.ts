@@ -4,7 +4,7 @@ import { test } from "node:test";
 
 import { BLOCK, History, labelDecimals, niceRange } from "../src/data/history";
 
-/** A fixed sequence of numbers without a pattern (linear congruence). */
+/** A fixed pseudo-random sequence (linear congruential generator). */
 function numbers(seed: number): () => number {
   let state = seed;
   return () => {
@@ -83,7 +83,7 @@ test("times of the points ascend", () => {
 test("the oldest samples are removed in whole blocks", () => {
   const history = filled(BLOCK * 10 + 5, BLOCK * 4);
  
-  // 645 samples in a capacity of 256: the first 389 are gone, and with them the blocks up to 448.
+  // 645 samples in a capacity of 256: the first 389 do not fit, and whole blocks are dropped, up to 448.
   assert.equal(history.first, 448);
   assert.equal(history.end, 645);
   const { x } = history.points(0, 1, 1000, [0]);

@@ -27,7 +27,7 @@ for (const [what, height, offset] of [["up", 2000, 0], ["down", -300, 1000]] as 
   test(`a first-order lag of 20 ms that goes ${what} rises in 2.197 time constants and settles in 3.912`, () => {
     const lag = 0.02;
     const found = stepResponseOf(part(5000, (time) => offset + height * (1 - Math.exp(-time / lag))));
-    // 1 - e^(-t/T) = 0.1 and 0.9: the times differ by T ln 9. It is within 2 % after T ln 50.
+    // 1 - e^(-t/T) is 0.1 and 0.9 at times that differ by T ln 9, and stays within 2 % of 1 after T ln 50.
     near(found?.rise, lag * Math.log(9), 2e-5);
     near(found?.settling, lag * Math.log(50), 2 * STEP);
     near(found?.overshoot, 0, 1e-6);
@@ -43,7 +43,7 @@ test("a second-order system with a damping of 0.5 overshoots by 16.3 %", () => {
   );
   // e^(-pi d / sqrt(1 - d^2))
   near(found?.overshoot, Math.exp((-Math.PI * damping) / Math.sqrt(1 - damping ** 2)), 1e-4);
-  // For this system within 2 % for good after 8.08 / omega, by the roots of its response; the envelope would give 8.11.
+  // By the roots of its response, this system stays within 2 % after 8.08 / omega; the envelope would give 8.11.
   near(found?.settling, 0.0808, 0.0005);
 });
 

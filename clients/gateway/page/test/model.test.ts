@@ -2,7 +2,7 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
 
-/** The messages that the page posts to the worker with its WebSocket, and those that it receives. */
+/** The messages that the page posts to the worker that has the WebSocket, and those that the worker sends. */
 interface FakeWorker {
   onmessage?: (event: { data: unknown }) => void;
   orders: { kind: string; packet?: string }[];

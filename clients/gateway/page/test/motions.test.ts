@@ -12,7 +12,7 @@ const ATTAINED = 1 << 12;
 const HOMING_ERROR = 1 << 13;
 const HALT = 0x10f;
 
-/** From 1,000 to 5,000 in profile position mode, accepted before tick 100. */
+/** A move from 1,000 to 5,000 in profile position mode, accepted before tick 100. */
 const ACCEPTED: Reading = { tick: 100, controlword: 0x0f, mode: 1, target: 5000, position: 1000, span: 0 };
 const ON_THE_WAY: MotionStatus = {
   tick: 101,
@@ -84,7 +84,7 @@ test("a limit switch that has opened again has ended the move, one on the other 
   assert.deepEqual(taking(move({ target: -5000 }), { inputs: 1, velocity: 0 }).end, { kind: "negative_limit" });
 });
 
-/** It stands still with bit 10 somewhere on its way. */
+/** The axis stands still on its way, with bit 10 set. */
 const STANDS: Partial<MotionStatus> = { statusword: ENABLED | REACHED, velocity: 0 };
 
 test("where the axis stands on its way the drive is asked: a halt, another set-point, or it goes on", () => {

@@ -8,7 +8,7 @@ import { fileURLToPath } from "node:url";
 
 const here = dirname(fileURLToPath(import.meta.url));
 const sources = readdirSync(here).filter((name) => name.endsWith(".test.ts"));
-// The programs find the packages of the page there.
+// In node_modules, where the bundled tests find the packages of the page.
 const work = mkdtempSync(join(here, "../node_modules/.test-"));
 try {
   await build({

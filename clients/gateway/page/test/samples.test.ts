@@ -5,7 +5,7 @@ import { test } from "node:test";
 import { Samples } from "../src/data/samples";
 import { TriggerRun, type Trigger } from "../src/data/trigger";
 
-/** A bench in real time: its ticks of a millisecond count from the epoch. */
+/** A bench in real time: its ticks of a millisecond count from 1970. */
 const FIRST_TICK = 1_795_996_800_000;
 
 function made(): Samples {
@@ -64,14 +64,14 @@ test("a run is complete when what comes after the trigger is there, and the next
   const samples = made();
   samples.take(message(1_000, [0]));
   const run = new TriggerRun(TRIGGER, samples, () => [], 1);
-  // Rises through 10 in ticks 1,002 and 1,005; in a window of 8 ms, six come after the trigger.
+  // Rises through 10 in ticks 1,002 and 1,005; a window of 8 ms has six ticks after the trigger.
   samples.take(message(1_001, [0, 10, 20, 0, 10, 20]));
   assert.ok(!run.advance(0.008, samples.end ?? 0));
   assert.ok(run.isFilling);
   samples.take(message(1_007, [0, 0, 0, 15]));
   assert.ok(run.advance(0.008, samples.end ?? 0));
   assert.equal(run.at, 1.002);
-  // The one of tick 1,005 is within that run.
+  // The rise in tick 1,005 is within that run.
   samples.take(message(1_011, Array.from({ length: 8 }, () => 0)));
   assert.ok(run.advance(0.008, samples.end ?? 0));
   assert.deepEqual([run.last, run.at], [1.002, 1.01]);

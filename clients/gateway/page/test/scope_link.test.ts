@@ -11,7 +11,7 @@ const STATE: ScopeState = {
     { axis: "1.1", members: [SET_POINTS] },
   ],
   window: 2,
-  // A bench in real time: seconds since the epoch, to the microsecond.
+  // A bench in real time: seconds since 1970, to the microsecond.
   range: [1795996800.123456, 1795996802.123456],
   cursors: [1795996801, 1795996801.5],
   trigger: { mode: "normal", axis: "1.1", member: "load_velocity_actual_value", condition: "rising", value: -1000, text: "", before: 0.25 },

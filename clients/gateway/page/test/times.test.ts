@@ -4,7 +4,7 @@ import { test } from "node:test";
 
 import { formatTime, isoDate, timeText } from "../src/data/times";
 
-/** 2026-03-05 14:03:27 where the tests run [s]. */
+/** 2026-03-05 14:03:27 in the time zone where the tests run [s]. */
 const AFTERNOON = new Date(2026, 2, 5, 14, 3, 27).getTime() / 1000;
 
 test("a time from the epoch on is a time of the day, any other one is seconds", () => {
@@ -20,7 +20,7 @@ test("a fraction that is rounded up begins the next second", () => {
 });
 
 test("a date has the microseconds of the tick, and no date is made up", () => {
-  // A tick of 125 us: 2026-01-01T00:00:00Z is 1767225600 s after the epoch.
+  // A tick of 125 us: 2026-01-01T00:00:00Z is 1767225600 s since 1970.
   assert.equal(isoDate(1767225600.000125), "2026-01-01T00:00:00.000125Z");
   assert.equal(isoDate(1767225599.9999999), "2026-01-01T00:00:00.000000Z");
   assert.equal(isoDate(600), "");

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The last minutes of one axis, every tick, reduced to a plot of any width without hiding a single sample.
+// The last minutes of one axis, every tick, reduced to a plot of any width without hiding an extreme value.
 
 /** Samples per block. The extremes of each block are kept, so that long windows read blocks instead of samples. */
 export const BLOCK = 64;

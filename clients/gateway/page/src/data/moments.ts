@@ -22,7 +22,7 @@ export interface Mark {
   event?: LogEvent;
 }
 
-/** Events that the status shows too, with its tick. */
+/** Events of changes that the status of a tick shows too. */
 const OF_STATUS: Record<string, MarkKind> = { state_changed: "state", fault: "fault" };
 /** On a busy machine there are hundreds of late ticks, which would hide other marks: they are only in the list. */
 const UNMARKED = new Set(["tick_overrun"]);

@@ -12,8 +12,8 @@ export interface Demand {
   torque: number;
 }
 
-/** @param commandsTorque the mode commands a torque, so that an axis at standstill may press
- *  @return whether the drive moves its axis or presses with it. */
+/** @param commandsTorque the mode commands a torque, so that an axis may apply one at standstill
+ *  @return whether the drive moves its axis or applies a commanded torque. */
 export function movesOrPresses({ statusword, velocity, torque }: Demand, commandsTorque: boolean): boolean {
   const presses = commandsTorque && torque !== 0 && decodePowerState(statusword) === "operation_enabled";
   return velocity !== 0 || presses;

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-// The samples of a recording: while it is read, and then as those of axes.
+// The samples of a recording: collected while the file is read, then turned into the samples of its axes.
 
 import type { Message } from "../protocol/cdr";
 import type { LogEvent } from "./events";
 import { Samples } from "./samples";
 import type { AxisUnit } from "./units";
 
-/** Limit of all axes together: some 100 bytes per sample. */
+/** Limit for all axes together: a sample takes some 100 bytes. */
 export const MOST_RECORDED_SAMPLES = 4_000_000;
 export const MOST_RECORDED_BYTES = 256 * 2 ** 20;
 const BLOCK = 4_096;

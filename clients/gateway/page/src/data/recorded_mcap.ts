@@ -8,10 +8,10 @@ import { parseSchema, type Definition, type Field, type Primitive } from "../pro
 import type { LogEvent } from "./events";
 import { RecordedAxis, recordedUnit, SampleLimit, TooLarge, type Kinds, type Recorded } from "./recorded";
 
-/** A larger chunk is damaged, or not from us. */
+/** A larger chunk is damaged, or was not written by `vdrive record`. */
 const MOST_CHUNK_BYTES = 64 * 2 ** 20;
 const DEFAULT_PERIOD_NS = 1_000_000;
-/** in a status, but not a member of the drive */
+/** members of a status that are not values of the drive */
 const OTHERS = new Set(["tick", "axis", "owner_session", "stamp"]);
 
 const KINDS: Partial<Record<Primitive, new (length: number) => Int8Array | Uint8Array | Int16Array | Uint16Array | Int32Array | Uint32Array>> = {
@@ -70,7 +70,7 @@ export class McapReader {
   private place = 0;
   private cut = "";
 
-  /** Ignores everything after the damage in a damaged file. @throws Error if the file is not a recording */
+  /** In a damaged file, ignores everything after the damage. @throws Error if the file is not a recording */
   append(bytes: Uint8Array): void {
     if (this.cut !== "") return;
     try {
@@ -127,7 +127,7 @@ export class McapReader {
     this.channels.set(id, { bench: Number(bench), axis, definition, schema: schema.name });
   }
 
-  /** A file recorded by another program identifies its axes by their topics only. */
+  /** A file recorded by another program identifies its axes only by their topics. */
   private axisOf(bench: string, topic: string, metadata: Map<string, string>): number {
     const axis = Number(metadata.get("axis") ?? this.topics.size + 1);
     const address = `${bench}.${axis}`;

@@ -34,7 +34,7 @@ export interface HandshakeMark {
 
 /** The latest value read of 6040h, which no topic contains. */
 export const CONTROLWORD = "ds402_controlword";
-/** Bits with a series of their own, because the extremes of a word are not those of its bits. */
+/** Bits that have their own series, because the extremes of a word are not those of its bits. */
 const STATUS_BITS = { acknowledge: STATUS_BIT.acknowledge, reached: STATUS_BIT.targetReached } as const;
 /** Members of a message that are not part of the status. */
 const NOT_SAMPLED = new Set(["stamp", "axis", "missed", "tick", "owner_session"]);
@@ -53,7 +53,7 @@ export interface Sampling {
   hasControlword: boolean;
 }
 
-/** A larger ratio between the intervals of successive ticks means that ticks were skipped. In freerun they are
+/** A larger ratio between the intervals of successive ticks means that ticks were skipped. In freerun, ticks are
  *  published by wall time, at any interval. */
 const JUMP = 4;
 const SHORTEST_JUMP_S = 0.1;
@@ -133,13 +133,13 @@ export class Samples {
     return this.history.end === 0 ? undefined : this.origin + this.history.time(this.history.end - 1);
   }
 
-  /** Messages are skipped from now on, so a gap precedes the next sample. */
+  /** No messages are received from now on, so a gap precedes the next sample. */
   protected leave(): void {
     this.wasAway = true;
   }
 
   /** @param message an array for each member, in successive ticks; `missed` counts those that did not arrive
-   *  @param isCut the page itself has dropped messages before it */
+   *  @param isCut the page itself has dropped messages before this one */
   take(message: Message, isCut = false): void {
     const ticks = message["tick"] as BigUint64Array;
     if (ticks.length === 0) return;
@@ -151,7 +151,7 @@ export class Samples {
     const codes = column("error_code");
     const ignored = column("ignored_set_points");
     const missed = Number(message["missed"] as bigint);
-    if (this.wasAway || missed < this.missedLast) this.resume(); // another gateway counts from 0
+    if (this.wasAway || missed < this.missedLast) this.resume(); // a restarted gateway counts from 0
     this.missedLast = missed;
     this.missedBefore ??= missed;
     if (isCut && this.history.end > 0) this.lostHere += Math.max(0, Number(ticks[0]) - this.lastTick - 1);

@@ -39,8 +39,8 @@ export interface HeldSetPoints {
 /**
  * @param control and status 6040h and 6041h after the same tick
  * @param mode 6061h
- * @return undefined outside of profile position mode and of Operation enabled, and under halt, where bit 10 means
- *         standstill
+ * @return undefined in modes other than profile position, in states other than Operation enabled, and under halt,
+ *         where bit 10 means standstill
  *
  * Bit 12 stays 1 while a set-point waits. It also stays 1 while bit 4 is 1: then the statusword does not show whether
  * the set-point taken last waits or is already being executed. If bit 5 is 1, it does not have to wait.

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Drive time for display: a bench in real time counts from the epoch, so its times are times of day; others count from
-// 0.
+// Drive time for display: a bench in real time counts from 1970, so its times are times of day; others count from 0.
 
 import { formatNumber } from "./units";
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// CDR version 1, little-endian. Arrays of numbers become typed arrays over the message without copying, so that 1,024
-// axes can arrive 60 times a second.
+// CDR version 1, little-endian. Arrays of numbers become typed arrays over one copy of the message, so that 1,024 axes
+// can arrive 60 times a second.
 
 import type { Definition, Field, Primitive } from "./schema";
 
@@ -139,7 +139,7 @@ class Reader {
   }
 }
 
-/** @param payload with the four bytes of the encapsulation; must own its buffer from byte 4 on
+/** @param payload with the four bytes of the encapsulation; not a Buffer of Node.js, whose slice() does not copy
  *  @throws Error if the payload is shorter than its definition, or is not little-endian CDR. */
 export function decodeCdr(definition: Definition, payload: Uint8Array): Message {
   if (payload.byteLength < ENCAPSULATION || payload[1] !== CDR_LITTLE_ENDIAN) {

@@ -111,7 +111,7 @@ export class Connection {
 
   /**
    * Closes the WebSocket by the closing handshake of its protocol, so that control is released. The browser ends the
-   * worker together with the page, so some time must remain to send the close frame.
+   * worker together with the page, so this waits for the worker to send the close frame.
    */
   private close(): void {
     if (!this.isOpen) return;
@@ -167,7 +167,7 @@ export class Connection {
     };
   }
 
-  /** If the thread of the page takes no messages for this time, the connection ends as a lost one. The next connection
+  /** If the thread of the page takes no messages for this time, the connection is closed as lost. The next connection
    *  starts with 10 s again. */
   setPatience(milliseconds: number): void {
     this.order({ kind: "patience", milliseconds });

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Messages that the WebSocket has received and the thread of the page has not taken yet: one batch at a time, up to a
-// limit. Also detects that this thread has stopped.
+// limit. Also detects that the page's thread has stopped.
 
 /** One WebSocket message. */
 export type Packet = string | ArrayBuffer;
@@ -67,8 +67,8 @@ export class Mailbox {
   }
 
   /**
-   * Asks the page for an answer, unless one is pending. Must be called at fixed intervals: if this thread is late
-   * itself, it asks late, and does not blame the page.
+   * Asks the page for an answer, unless one is pending. Must be called at fixed intervals by the worker: if the worker
+   * itself is late, it also asks late, so the page is not blamed.
    *
    * @return how many times in a row the same answer was pending
    */

@@ -1,4 +1,4 @@
 // SPDX-License-Identifier: Apache-2.0
 
-/** The longest silence of a page that holds control [ms], as the gateway allows it. */
+/** The longest silence that the gateway allows a page that holds control [ms]. */
 export const LONGEST_SILENCE_MS = 10_000;

@@ -18,8 +18,8 @@ export type Report = { kind: "batch"; batch: Batch } | { kind: "opened" } | { ki
 
 const SIGN_OF_LIFE_MS = 250;
 const SIGN_OF_LIFE = JSON.stringify({ op: "unsubscribe", subscriptionIds: [] });
-// A page that takes nothing for this long is lost even if this thread works, because no user can stop an axis with it.
-// The holder of control may choose a shorter time. The gateway treats a connection that ends with this code as lost.
+// Close code for a page that has taken nothing for `patience`: it is lost even if this thread works, because no user
+// can stop an axis with it. The gateway treats a connection that ends with this code as lost.
 const PAGE_STANDS_STILL = 4000;
 const NORMAL_CLOSURE = 1000;
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The controls of axes. Each is a service of the gateway; its answer is shown at the bottom of the page.
+// The controls of axes. Each calls a service of the gateway, whose answer is shown at the bottom of the page.
 
 import { nameMatches } from "../data/rows";
 import { parseNumber, whyNoNumber } from "../data/units";
@@ -13,7 +13,7 @@ import { askingButton } from "./question";
 import { ABORT_OPTION_CODE, Silence } from "./silence";
 
 const JOG_EVERY_MS = 100;
-/** [1/s] units of a linear axis */
+/** Jog speed of a linear axis [units/s] */
 const LINEAR_JOG = 5;
 const INPUTS_EVERY_MS = 1_000;
 
@@ -220,7 +220,7 @@ class Jog {
       let own = 0; // the answer to an earlier press does not end this one
       const send = async () => {
         if (this.model.whyTaken([axis]) !== undefined) {
-          this.stopRepeating(); // the session that has the axis now has ended the motion
+          this.stopRepeating(); // the session that took the axis has ended the jog
           return;
         }
         const answer = await this.model.connection.call("/jog", { axis, velocity });
@@ -235,7 +235,7 @@ class Jog {
   }
 }
 
-/** External influences on axes. */
+/** The test-bench inputs of axes. */
 class TestInputs {
   readonly root: HTMLElement;
   private built?: unknown;
@@ -338,7 +338,7 @@ class TestInputs {
     const value = h("span", { class: "number" }, "0.0 N·m");
     const show = () => put(value, `${Number(input.value).toFixed(1).replace("-", "−")} N·m`);
     input.addEventListener("input", () => {
-      ++this.commands; // while it is dragged
+      ++this.commands; // so that a read does not move the slider while it is dragged
       show();
     });
     this.shows.set("load_torque", (torque) => {

@@ -73,7 +73,7 @@ export function mark(element: Element, name: string, on: boolean): void {
   if (element.classList.contains(name) !== on) element.classList.toggle(name, on);
 }
 
-/** @return the text field inside a labelled one. */
+/** @return a labelled text field with its unit, and its parts. */
 export function field(
   label: string,
   properties: { value?: string; placeholder?: string; width?: string; unit?: () => string; id?: string } = {},

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The window of the following error (6065h) next to its plot: the value in force, and a field for another one.
+// The following error window (6065h) next to the plot of the error: the value in force, and a field for a new one.
 
 import { formatUnits } from "../data/units";
 import { t } from "../i18n";

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The reports of the benches, newest first.
+// The events of the benches, newest first.
 
 import { eventsCsv, eventText, matchesEvent, sessionsIn, type EventFeed, type EventFilter, type LogEvent } from "../data/events";
 import { timeText } from "../data/times";
@@ -23,7 +23,7 @@ export class Events implements View {
   private shownSessions = "?";
 
   /** @param wanted whether an event is shown here
-   *  @param go shows the moment of an event; not for an event without an axis */
+   *  @param go shows the moment of an event */
   constructor(
     private readonly model: Model,
     private readonly feed: EventFeed,
@@ -132,7 +132,7 @@ export class Events implements View {
     return `${found?.description?.name ?? "bench"} (${bench})`;
   }
 
-  /** Newest first; events that differ only in their figures are grouped. */
+  /** Newest first; successive events that differ only in numbers are grouped. */
   private groups(): { event: LogEvent; times: number }[] {
     const groups: { event: LogEvent; kind: string; times: number }[] = [];
     const { events } = this.feed;

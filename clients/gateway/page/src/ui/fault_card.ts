@@ -92,7 +92,7 @@ export class FaultCard implements View {
     void this.show(newest.window);
   }
 
-  /** The name of the axis's own cause. */
+  /** Names a window by the cause that belongs to this axis. */
   private nameOf({ causes }: KeptWindow): string {
     const cause = causes.find(({ axis }) => axis === this.ref.axis.axis) ?? causes[0];
     const what = cause.code === 0 ? cause.kind : `${formatHex(cause.code)} ${this.model.errorName(cause.code)}`;
@@ -103,7 +103,7 @@ export class FaultCard implements View {
     return timeText(tick * this.trace.period);
   }
 
-  /** Every signal of the axis in the window that is shown. */
+  /** Opens every signal of the axis in the window that is shown. */
   private async open(): Promise<void> {
     if (this.shown === undefined) return;
     try {

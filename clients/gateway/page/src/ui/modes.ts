@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The operating modes of a drive (6502h): the settings of each, by name and as a number.
+// The operating modes of a drive (6502h), and the objects of each.
 
 import { HOMING, homingState, PROFILE_POSITION } from "../data/setpoints";
 import { quantityOf, type Quantity } from "../data/signals";
@@ -43,7 +43,7 @@ export function hasMode({ supported_drive_modes }: AxisDescription, mode: number
   return mode > 0 && ((supported_drive_modes >> (mode - 1)) & 1) === 1;
 }
 
-/** One object: the current value, and a field for another one. */
+/** One object: the current value, and a field for a new one. */
 class ModeRow {
   readonly root: HTMLElement;
   private readonly value = h("span", { class: "number" }, "–");
@@ -122,7 +122,7 @@ export class Modes implements View {
   private readonly rowPlace = h("div", { class: "mode-rows" });
   private rows = new Map<string, ModeRow>();
   private read?: PolledObjects;
-  /** chosen by the user; undefined before: the one in force */
+  /** chosen by the user; undefined = show the mode in force */
   private chosen?: number;
   private shown = "";
 

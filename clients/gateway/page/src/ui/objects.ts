@@ -41,7 +41,7 @@ function isWritable(row: ObjectRow): boolean {
   return /w/i.test(row.access);
 }
 
-/** Names of units have a Chinese explanation in brackets. */
+/** Names of units may have a Chinese explanation in brackets. */
 function unitText(unit: string): string {
   const plain = unit === "-" ? "" : unit;
   return language() === "zh" ? plain : plain.replace(/[（(][^（(]*[\u4e00-\u9fff].*[）)]/, "").trim();

@@ -65,11 +65,11 @@ function readRow(model: Model, row: TableRow, now: number): void {
   row.error = at(bench, "load_position_error_value", place);
   row.fault = at(bench, "error_code", place);
   row.owner = model.ownerName(BigInt(bench.numbers("owner_session")?.[place] ?? 0), true);
-  // In every mode: a slow demand is not noise.
+  // A velocity demand counts in every mode, however slow: it has no noise.
   row.moving = Math.abs(row.velocity) > MOVING_FROM || at(bench, "velocity_demand_value", place) !== 0;
 }
 
-/** The elements of one row, reused for whichever row is at that place of the screen. */
+/** The elements of one row, reused for whichever row is at that place on the screen. */
 class RowElements {
   readonly root: HTMLElement;
   private readonly cells = new Map<string, HTMLElement>();
@@ -81,7 +81,7 @@ class RowElements {
   private readonly canvas: HTMLCanvasElement;
   row?: TableRow;
 
-  /** @param choose called with the row, and whether the range from the previous row belongs to it */
+  /** @param choose called with the row, and whether all rows from the previously pressed one are meant */
   constructor(
     private readonly model: Model,
     choose: (row: TableRow, on: boolean, isRange: boolean) => void,
@@ -94,7 +94,7 @@ class RowElements {
     });
     this.root.append(h("div", { class: "cell choose", attributes: { role: "cell" } }, this.box));
     for (const column of COLUMNS) {
-      // A narrow screen has no header line: its cells name themselves.
+      // A narrow screen has no header line, so its cells have labels.
       const attributes = { role: "cell", "data-label": t(column.text) };
       const cell = h("div", { class: `cell ${column.class}`, attributes });
       this.cells.set(column.class, cell);
@@ -412,7 +412,7 @@ export class Overview implements View {
   }
 
   private draw(top: number, now: number): void {
-    this.height = this.head.offsetHeight > 0 ? 28 : NARROW_ROW; // without a head the screen is narrow
+    this.height = this.head.offsetHeight > 0 ? 28 : NARROW_ROW; // only a narrow screen has no head
     const total = `${this.shown.length * this.height}px`;
     if (this.space.style.height !== total) this.space.style.height = total;
     const visible = Math.ceil(this.scroller.clientHeight / this.height) + SPARE_ROWS;
@@ -426,7 +426,7 @@ export class Overview implements View {
       this.pool.push(made);
       this.space.append(made.root);
     }
-    // A row keeps its elements while it is visible: index modulo pool.
+    // A row keeps its elements while it is visible: its index modulo the size of the pool selects them.
     const end = Math.min(first + this.pool.length, this.shown.length);
     for (let place = end; place < first + this.pool.length; ++place) this.pool[place % this.pool.length].hide();
     for (let place = first; place < end; ++place) {
@@ -436,7 +436,7 @@ export class Overview implements View {
     }
   }
 
-  /** With Shift, every row from the previously pressed one, in the order shown. */
+  /** Selects or deselects a row; with Shift, every row from the previously pressed one, in the order shown. */
   private choose(row: TableRow, on: boolean, isRange: boolean): void {
     const place = this.shown.indexOf(row);
     const before = isRange ? this.shown.findIndex((shown) => addressOf(shown.ref) === this.chosenLast) : -1;

@@ -37,7 +37,7 @@ export class PolledObjects {
     void this.read(addressOf(unknown ?? axes[this.next++ % axes.length]));
   }
 
-  /** A command has written such an object. */
+  /** A command has written one of these objects. */
   readAgain(): void {
     ++this.commands;
     this.readAt = -Infinity;

@@ -8,7 +8,7 @@ import { t } from "../i18n";
 import type { AxisRef, Model } from "../model";
 import { field, h, put } from "./dom";
 
-/** 12.3 % are 123 permille, except for rounding errors. */
+/** 12.3 % is 123 permille, except for rounding errors. */
 const ROUNDING = 1e-9;
 
 /** @param notes receives the result of converting a value with a unit
@@ -57,7 +57,7 @@ export class QuantityField {
     this.input = made.input;
     this.unit = made.unit;
     this.input.addEventListener("input", () => this.keep());
-    this.input.readOnly = true; // until bind(), which would replace text typed earlier
+    this.input.readOnly = true; // until bind(), which would replace text typed before it
   }
 
   /** Shows the text last typed under this key, in the present unit.
@@ -130,7 +130,7 @@ export class KeptCheckbox {
     text: string,
   ) {
     this.root = h("label", { class: "check" }, this.input, text);
-    this.input.disabled = true; // as above
+    this.input.disabled = true; // until bind()
     this.input.addEventListener("change", () => this.model.ticked.set(this.key, this.input.checked));
   }
 

@@ -31,7 +31,7 @@ const PRESET = [
   ["current_actual_value", "torque_actual_value", "torque_demand"],
   [SET_POINTS],
 ];
-/** Next to it is the field for the window that it must stay in. */
+/** Its strip also has the field for its window (6065h). */
 const FOLLOWING_ERROR = "load_position_error_value";
 const WINDOWS = [1, 2, 5, 10, 30, 60, 120, 300, LONGEST_WINDOW_S];
 const LEAST_WINDOW_S = 0.005;
@@ -48,7 +48,7 @@ const MARK_ROOM = 4; // [px] of a mark that is not a fault
 const LABEL_SPACE = 44; // [px] for "8611h"
 /** [px] a shorter movement is a click */
 const LEAST_DRAG = 4;
-/** A browser allows 200 changes of its address in 30 s. */
+/** A browser allows a page to change its address 200 times in 30 s. */
 const LINK_EVERY_MS = 300;
 
 function windowText(seconds: number): string {
@@ -183,7 +183,7 @@ export class Scope implements View {
     this.follow();
     const [from, to] = this.range();
     const columns = Math.max(50, this.width - AXIS_WIDTH - RIGHT_MARGIN);
-    // Long windows move by less than a pixel per frame.
+    // A long window moves by less than a pixel per frame, so it is drawn less often.
     const every = Math.min(250, ((to - from) / columns) * 1000);
     const end = [...this.samples.values()].reduce((sum, { history }) => sum + history.end, 0);
     const isOld = end !== this.drawnEnd || this.source.events.version !== this.eventsVersion;
@@ -281,7 +281,7 @@ export class Scope implements View {
 
   // ---- strips
 
-  /** The axes of the strips are received from now on. */
+  /** Starts to receive the axes of the strips, MOST_TRACES at most. */
   private open(): void {
     const axes = [...new Set(this.strips.map(({ axis }) => axis))];
     if (axes.length > MOST_TRACES) {
@@ -513,7 +513,7 @@ export class Scope implements View {
     if (!on) {
       this.zoomed = undefined;
       this.wentTo = undefined;
-      this.showCursors(false); // their positions move away
+      this.showCursors(false); // the plots move away from them
       if (this.run?.trigger.mode === "single") this.arm(undefined);
     }
     this.dirty = true;
@@ -609,7 +609,7 @@ export class Scope implements View {
       this.run = new TriggerRun(trigger, samples, () => this.source.events.events, this.now());
       return;
     }
-    // In a recording, each press finds the next one.
+    // In a recording, each press finds the next trigger.
     this.run = new TriggerRun(trigger, samples, () => this.source.events.events, before ?? this.whole()[0]);
     this.zoom(undefined);
   }
@@ -690,8 +690,8 @@ export class Scope implements View {
     this.dirty = true;
   }
 
-  /** @return the height of each plot, so that all of them fill the window below the elements above them; if those
-   *          include the controls, a full window [px] */
+  /** @return the height [px] of each plot: together they fill the window below the elements above them, or a whole
+   *          window if the controls are among these elements */
   private heightIn(main: HTMLElement): number {
     const others = this.root.offsetHeight - this.plots.reduce((sum, { plot }) => sum + plot.height, 0);
     const top = this.root.getBoundingClientRect().top - main.getBoundingClientRect().top + main.scrollTop;
@@ -806,7 +806,7 @@ export class Scope implements View {
 
   // ---- two cursors
 
-  /** The cursors stand still, and so do the plots. */
+  /** Pauses the plots too, because the cursors stand still. */
   private showCursors(on: boolean): void {
     if (on && !this.paused && this.source.isLive) this.pause(true);
     const [from, to] = this.range();

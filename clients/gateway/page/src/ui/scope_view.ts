@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The scope in the full window, with the events of its time: from the benches, or from a recording.
+// The scope in the full window, with the events: from the benches, or from a recording.
 
 import { t } from "../i18n";
 import type { Model } from "../model";
@@ -63,7 +63,7 @@ export class ScopeView implements View {
     for (const part of this.parts) part.close?.();
   }
 
-  /** @param query from the address: a link to a recording opens its place once the file is open */
+  /** @param query from the address: a link to a place in a recording applies once the file is open */
   private show(recording: Recording | undefined, query = location.hash.split("?")[1] ?? ""): Scope {
     this.close();
     this.memory.recording = recording;

@@ -60,7 +60,7 @@ export class Shell {
   private readonly banner = h("p", { class: "banner", attributes: { role: "alert" } });
   private readonly notices = h("div", { class: "notices", attributes: { role: "status" } });
   private shownNotices = "";
-  /** before control is taken from its holder */
+  /** asked before control is taken from its holder */
   private readonly question = h("div", { class: "question", attributes: { role: "group", "aria-live": "polite" } });
   private readonly questionText = h("span");
   private endQuestion?: () => void;
@@ -72,7 +72,7 @@ export class Shell {
   private readonly stopButton = button("", () => this.stop(), { class: "stop", attributes: { "data-test": "stop" } });
   private readonly outcome = h("p", { class: "outcome", attributes: { role: "status" } });
   private readonly motions = h("ul", { class: "motions" });
-  /** Only ends are announced to screen readers, not each step on the way. */
+  /** Screen readers announce only the end of a motion, not its progress. */
   private readonly motionEnds = h("p", { class: "only-heard", attributes: { role: "status" } });
   private readonly motion = h("p", { class: "motion", attributes: { role: "status" } });
   private motionAt = -Infinity;
@@ -111,7 +111,7 @@ export class Shell {
       this.links.set(key, link);
       nav.append(link);
     }
-    this.endQuestion?.(); // it is in the previous language
+    this.endQuestion?.(); // its text is in the previous language
     this.stopButton.replaceChildren(h("b", {}, t("stop")), " ", h("kbd", {}, "Ctrl + ."));
     this.stopButton.title = t("stop_hint");
     const { settings } = this.model;
@@ -177,7 +177,7 @@ export class Shell {
     const [, view = "", address = ""] = pathOf(location.hash).split("/");
     const name = view === "axis" || view === "control" || view === "scope" ? view : "overview";
     const ref = name === "axis" || name === "scope" ? this.axisOf(address) : undefined;
-    // A scope shows axes of its own choice.
+    // A scope may show axes of any bench.
     const benches = name === "scope" ? this.model.sortedBenches() : ref === undefined ? [] : [ref.bench];
     const runs = benches.map((bench) => bench.description?.incarnation ?? "").join(" ");
     const key = `${name} ${ref === undefined ? "" : addressOf(ref)} ${runs}`;
@@ -253,7 +253,7 @@ export class Shell {
 
   private showControl(): void {
     const { control, connected } = this.model;
-    // Control has changed since the question was asked, so it no longer applies.
+    // If control has changed since the question was asked, the question no longer applies.
     if (control.session !== this.askedAbout) this.endQuestion?.();
     const able = control.enabled && connected;
     this.stopButton.disabled = !able;
@@ -279,7 +279,7 @@ export class Shell {
     this.notices.replaceChildren(...lines);
   }
 
-  /** Shows what happens to moving axes when this page ends, or what has happened to those that continued. */
+  /** Shows which axes would continue to move after this page is closed, or move with nobody in control. */
   private showMotion(now: number): void {
     if (now - this.motionAt < MOTION_EVERY_MS) return;
     this.motionAt = now;
@@ -299,7 +299,7 @@ export class Shell {
     if (this.outcome.className !== wanted) this.outcome.className = wanted;
   }
 
-  /** Shows the motions that this page has started: first those that did not reach their end. */
+  /** Shows the motions that this page has started: first those that ended early. */
   private showMotions(): void {
     const all = this.model.motions.lines();
     put(this.motionEnds, all.flatMap(({ kind, text }) => (kind === "moves" ? [] : [text])).join("; "));
@@ -325,7 +325,7 @@ export class Shell {
     else this.askTakeOver(control.session);
   }
 
-  /** The holder loses control even while its axes move. */
+  /** Asks first, because the holder loses control even while its axes move. */
   private askTakeOver(session: string): void {
     if (this.endQuestion !== undefined) return;
     put(this.questionText, this.model.takeOverText());

@@ -33,7 +33,7 @@ export interface Shown {
   /** [s] of drive time at time 0 of the plots, so that round times remain round */
   origin: number;
   columns: number;
-  /** [s] between the last run and the present one; undefined while none is shown */
+  /** [s] between the last run and the present one; undefined while the last run is not shown */
   lastRun: number | undefined;
 }
 
@@ -95,7 +95,7 @@ export class PlotStrip {
     const readings = this.lines.map((line) =>
       h("span", { class: "reading" }, h("i", { class: `sample ${line.colour}${line.dashed ? " dashed" : ""}` }), line.title, line.reading),
     );
-    readings.at(-1)?.append(h("span", { class: "unit" }, quantity.unit)); // not on a line of its own
+    readings.at(-1)?.append(h("span", { class: "unit" }, quantity.unit)); // not on a separate line
     this.root = h("div", { class: "plot" }, h("div", { class: "plot-head" }, ...head, ...readings, ...tools), canvas, this.problem);
     this.problem.hidden = true;
     this.plot = this.make(canvas, place);

@@ -14,7 +14,7 @@ const BEFORE = [0.1, 0.25, 0.5, 0.75, 0.9];
 
 export class TriggerPanel {
   readonly root: HTMLElement;
-  /** shows and hides it */
+  /** shows and hides the panel */
   readonly toggle = button(t("trigger"), () => this.open(this.root.hidden), {
     class: "toggle",
     attributes: { "aria-pressed": "false", "data-test": "trigger" },
