@@ -648,7 +648,7 @@ test("a mode has what is set for it, by name and as a number, and is set", async
   await command("mode").selectOption("4");
   await waitForText(set("max_torque"), /^Max Torque300\.0%/);
   await command("mode").selectOption("6");
-  await waitForText(set("homing_method"), /^Homing Method37: where the axis is/);
+  await waitForText(set("homing_method"), /^Homing Method37: current position/);
   await waitForText(command("homing_state"), /a different mode is active/);
   await command("set_mode").click();
   await waitForText(command("homing_state"), /^Homing: not started, or interrupted$/);
@@ -1295,11 +1295,11 @@ test("a page that stands still is lost after the limit that it chose, and what i
   await takeOver(other);
   await page.locator(".notices button").click(); // it was told who took control
   assert.equal(await other.inputValue(silence), "10");
-  await waitForText(other.locator('[data-test="on_loss"]'), /^then 6007h = 1: fault 8130h$/);
+  await waitForText(other.locator('[data-test="on_loss"]'), /^then the axes react by 6007h = 1: fault 8130h$/);
   await other.selectOption(silence, "1");
-  await waitForText(other.locator("footer"), /Take control: done, \d+ ms: Considered lost after 1 s/);
+  await waitForText(other.locator("footer"), /Take control: done, \d+ ms: Counts as lost after 1 s/);
   assert.equal(await other.inputValue(silence), "1");
-  await waitForText(page.locator(".silence"), /page \(.*\): considered lost after 1 s/);
+  await waitForText(page.locator(".silence"), /page \(.*\): counts as lost after 1 s/);
   await other.click('[data-test="enable"]');
   await waitForText(figure("state"), /Operation enabled/);
   const began = Date.now();

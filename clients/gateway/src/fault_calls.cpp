@@ -100,7 +100,7 @@ CallAnswer call_faults(client::Session& session, const Json& request) {
 CallAnswer call_fault(client::Session& session, const Json& request) {
   constexpr NumberRange kWindows{.lowest = 1, .highest = std::numeric_limits<std::int64_t>::max()};
   const auto number = optional_integer(request, "window", kWindows);
-  if (!number) throw ProtocolError("'window' is missing: its number, as /faults has it");
+  if (!number) throw ProtocolError("'window' is missing: the number of a window, from /faults");
   const Json& name = member(request, "axis");
   if (!name.is_string()) throw ProtocolError(R"('axis' must be a string, such as "1.2")");
   const auto axis = session.axis(name.get<std::string>());

@@ -132,7 +132,7 @@ void Hub::report_troubles() {
     if (!is_known) std::cerr << "vdrive-gateway: " << trouble << '\n';
   }
   troubles_ = std::move(troubles);
-  if (troubles_.empty()) std::cerr << "vdrive-gateway: the network is in order again\n";
+  if (troubles_.empty()) std::cerr << "vdrive-gateway: the network works again\n";
   for (const ConnectionId id : clients_.all()) server_.send_text(id, network_text(troubles_));
 }
 

@@ -40,7 +40,7 @@ void read_axis(client::Session& session, const client::AxisId& id, const Wanted&
 
 std::string unknown_text(const std::string& name) {
   return "the parameter " + in_quotes(name) + " does not exist" +
-         R"(: expected such as "bench1/x/0x6081" or "bench1/x/0x607D:01")";
+         R"(: write it like "bench1/x/0x6081" or "bench1/x/0x607D:01")";
 }
 
 }  // namespace

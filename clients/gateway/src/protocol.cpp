@@ -219,7 +219,7 @@ ClientMessage parse_text(std::string_view text) {
   for (const OperationRow& row : kOperations) {
     if (row.name == name) return row.parse(message);
   }
-  throw ProtocolError("the operation " + in_quotes(name) + " is not one of this server");
+  throw ProtocolError("the operation " + in_quotes(name) + " is not supported by this server");
 }
 
 ClientMessage parse_binary(std::string_view bytes) {
@@ -228,7 +228,7 @@ ClientMessage parse_binary(std::string_view bytes) {
     throw ProtocolError("this server accepts no messages from clients");
   if (operation != kServiceRequest) {
     throw ProtocolError("the binary operation " + std::to_string(operation) +
-                        " is not one of this server");
+                        " is not supported by this server");
   }
   CallService call;
   call.service = take<std::uint32_t>(bytes, "service");

@@ -88,7 +88,7 @@ ObjectAddress object_of(const Json& value) {
   if (value.is_string()) object = parse_object(value.get_ref<const std::string&>());
   if (!object || !find_object(*object)) {
     throw ProtocolError(in_quotes(value.dump()) +
-                        R"( is not an object: expected such as "0x6081", "0x607D:01" or )"
+                        R"( is not an object: write it like "0x6081", "0x607D:01" or )"
                         R"("profile_velocity")");
   }
   return *object;

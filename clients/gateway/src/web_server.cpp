@@ -169,7 +169,8 @@ class WebConnection final : public std::enable_shared_from_this<WebConnection> {
   /// Reports the end of the server to the client.
   void announce_end() {
     has_announced_end_ = true;
-    if (phase_ == Phase::open) close(websocket::close_code::going_away, "the gateway ends");
+    if (phase_ == Phase::open)
+      close(websocket::close_code::going_away, "the gateway is shutting down");
     if (phase_ == Phase::http) end(false);
   }
 

@@ -48,7 +48,7 @@ export class CsvReader {
     if (cells.length !== this.heads.length) this.fail(`${cells.length} columns instead of ${this.heads.length}`);
     const cell = (name: string) => cells[this.places.get(name) ?? -1] ?? "";
     const address = cell("axis");
-    if (!/^\d+\.\d+$/.test(address)) this.fail(`axis "${address}" is none, such as 1.2`);
+    if (!/^\d+\.\d+$/.test(address)) this.fail(`axis "${address}" is not an address such as 1.2`);
     const axis = this.axes.get(address) ?? this.newAxis(address, cell);
     this.limit.add();
     const missed = cell("missed") === "" ? 0 : this.whole("missed", cell("missed"));

@@ -57,6 +57,6 @@ self.onmessage = ({ data: order }: MessageEvent<Order>) => {
 
 setInterval(() => {
   if (socket?.readyState !== WebSocket.OPEN) return;
-  if (mailbox.ask() > patience / SIGN_OF_LIFE_MS) socket.close(PAGE_STANDS_STILL, "the page stands still");
+  if (mailbox.ask() > patience / SIGN_OF_LIFE_MS) socket.close(PAGE_STANDS_STILL, "the page does not respond");
   else socket.send(SIGN_OF_LIFE);
 }, SIGN_OF_LIFE_MS);
