@@ -234,7 +234,8 @@ TEST(SynchronousMove, WithAReferenceWayStartsInMotionAndKeepsItsStraightLineWith
     const std::uint32_t turn = line.uniform(1, first.duration_us / 1'000 - 1);
     for (std::uint32_t tick = 0; tick < turn; ++tick) group.bank().step();
 
-    // Targets farther on, short of the first end, inside the stopping distance, or behind.
+    // Targets farther on, short of the first end, within the stopping distance, or back past the
+    // start.
     const std::vector<std::int32_t> targets = direction.at(multiple(0, 6'000) - 2'000);
     line.start(targets, line.any_times(), direction.at(multiple(1'500, 2'000)));
     std::vector<int> arrivals(2, 0);

@@ -127,7 +127,7 @@ std::string without_sdo(const std::string& log) {
   return rest;
 }
 
-/// Two edges of bit 4 without a look at bit 12 between them, by a PDO with 6040h and 607Ah.
+/// Two edges of bit 4 without reading bit 12 between them, by a PDO with 6040h and 607Ah.
 std::string remapped_log() {
   LoggedNode node;
   node.map(1, {kMapWord, kMapTarget});

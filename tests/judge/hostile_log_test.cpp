@@ -59,7 +59,7 @@ TEST(ALogWhoseClockGoesBackOnce, IsJudgedByTheTimesAfterwards) {
   EXPECT_GT(result.verdict.last - result.verdict.first, 200ms);
 }
 
-/// Two edges of bit 4 without a look at bit 12 between them. Before the second edge, the clock goes
+/// Two edges of bit 4 without reading bit 12 between them. Before the second edge, the clock goes
 /// back by `step`.
 LogVerdict mistake_over_a_step_back(std::chrono::milliseconds step) {
   LoggedNode node;

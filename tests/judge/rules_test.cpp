@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A planted mistake is found by its rule and the others that it breaks, and by no more; a correct
+// A planted mistake is found by its rule and the others that it breaks, and by no others; a correct
 // master has no finding.
 #include "judge/planted.hpp"
 
