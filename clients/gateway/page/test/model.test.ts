@@ -179,7 +179,7 @@ for (const order of ["the event before the status", "the status before the event
     if (order.startsWith("the status")) steps.reverse();
     for (const step of steps) step();
     assert.equal(model.whyTaken(["1.1"]), undefined);
-    assert.match(model.outcome?.text ?? "", /, but not taken by anyone: 1\.1: nothing was received .* for 500 ms/);
+    assert.match(model.outcome?.text ?? "", /; nobody took them: 1\.1: nothing was received .* for 500 ms/);
     assert.equal(model.notices().length, 1);
   });
 }
@@ -216,5 +216,5 @@ test("the question before control is taken names the holder and what moves, and 
   status(gateway, 1002, 0x66, 20_480);
   assert.match(model.takeOverText(), /None of its axes is moving/, "it is another session's");
   gateway.advertise("/bench2/description", "/bench2/state");
-  assert.match(model.takeOverText(), /motion is shown only in the overview and in Control\.$/, "the status of bench 2 is not received");
+  assert.match(model.takeOverText(), /it is shown only in Overview and Control\.$/, "the status of bench 2 is not received");
 });

@@ -56,7 +56,7 @@ for (const [what, text, reason] of [
   ["a value out of range", `${HEADS}\n${row("1.1", 100, 2 ** 31)}`, /^line 2: load_position_actual_value "2147483648" is out of range/],
   ["a short line", `${HEADS}\n1.1,lift,100\n`, /^line 2: 3 columns instead of 12/],
   ["a tick twice", `${HEADS}\n${row("1.1", 100, 1)}${row("1.1", 100, 2)}`, /^line 3: tick 100 of axis 1.1 comes after tick 100/],
-  ["no axis", `${HEADS}\n${row("lift", 100, 1)}`, /^line 2: axis "lift" is none/],
+  ["no axis", `${HEADS}\n${row("lift", 100, 1)}`, /^line 2: axis "lift" is not an address such as 1\.2/],
   ["heads alone", `${HEADS}\n`, /no sample/],
   ["nothing", "", /empty/],
 ] as const) {
