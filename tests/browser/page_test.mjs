@@ -205,9 +205,9 @@ test("after taking control the page enables an axis", async () => {
   await waitForText(page.locator(".way"), /\b4\), tick \d+/);
 });
 
-test("Home stands beside its method, and runs by the chosen one", async () => {
+test("Home stands next to its method, and runs by the chosen one", async () => {
   const method = command("homing_method");
-  await waitForText(method.locator("option").first(), /^as set: 35$/);
+  await waitForText(method.locator("option").first(), /^unchanged: 35$/);
   await waitForText(method.locator('option[value="17"]'), /^17: − limit switch$/);
   await waitForText(method.locator('option[value="7"]'), /^7: \+ home switch → index pulse$/);
   await waitForText(method.locator('option[value="-3"]'), /^-3: − mechanical stop$/);
@@ -218,7 +218,7 @@ test("Home stands beside its method, and runs by the chosen one", async () => {
   await waitForText(motions(), /^1\.1: Home: home found, −?\d UU$/);
   await waitForText(figure("homed"), /^\d\d:\d\d:\d\d$/);
   await waitForText(page.locator('[data-object="0x6098"] .value .number'), /^37$/);
-  await waitForText(method.locator("option").first(), /^as set: 37$/);
+  await waitForText(method.locator("option").first(), /^unchanged: 37$/);
   assert.equal(await method.inputValue(), "37");
   await method.selectOption("");
 });
@@ -233,7 +233,7 @@ test("lamps show whether the axis is enabled and where it stands at a limit", as
   await waitForText(figure("limits"), /^none$/);
 });
 
-test("the window of the following error stands beside its plot, and is written there", async () => {
+test("the window of the following error stands next to its plot, and is written there", async () => {
   const shown = command("error_window");
   await waitForText(shown, /^20.480 UU$/);
   await page.fill('[data-test="new_window"]', "30000");
@@ -1288,7 +1288,7 @@ test("a page that stands still permanently is a lost master", async () => {
   await waitForText(figure("fault"), /^–$/);
 });
 
-test("a page that stands still is lost after the limit that it chose, and what its axes do then stands beside it", async () => {
+test("a page that stands still is lost after the limit that it chose, and the reaction of its axes stands next to it", async () => {
   const silence = '[data-test="silence"]';
   const other = await openOther("#/axis/1.1");
   await waitForText(other.locator('[data-test="take"]'), /Take control …/);

@@ -78,7 +78,7 @@ const NAMED: LogEvent = {
   message: `axis 2: session 0x${SESSION} takes the axis from session 0x0000000000000002`,
 };
 
-test("an event has the names of programs that are known, and not its axis, which stands beside it", () => {
+test("an event has the names of programs that are known, and not its axis, which stands next to it", () => {
   assert.equal(
     eventText(NAMED, (session) => (session === SESSION ? "vdrive" : undefined), () => ""),
     "vdrive takes the axis from session 0x0000000000000002",

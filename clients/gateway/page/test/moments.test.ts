@@ -26,7 +26,7 @@ test("a fault does not hide a change of state of the same tick, nor the other wa
   assert.deepEqual(shown([{ tick: 100, code: 0x8611 }], [event(100, "state_changed")]), ["fault 100", "state 100"]);
 });
 
-test("any other event is a mark of its own, in the order of ticks", () => {
+test("any other event is a separate mark, in the order of ticks", () => {
   const events = [event(90, "control_changed"), event(100, "tick_jumped"), event(300, "fault_reset")];
   assert.deepEqual(shown([{ tick: 100, state: "fault" }], events), ["event 90", "state 100", "event 100", "event 300"]);
 });
