@@ -953,7 +953,7 @@ test("a fraction of a user unit is refused, a value with a unit is rounded and s
   const before = numberIn((await figure("position").textContent()) ?? "");
   await page.fill("#move-target", "1.6");
   await command("move").click();
-  await waitForText(page.locator("footer"), /"1.6" is a fraction/);
+  await waitForText(page.locator("footer"), /"1.6" is not a whole number/);
   assert.equal(await page.getAttribute("#move-target", "aria-invalid"), "true");
   assert.equal(numberIn((await figure("position").textContent()) ?? ""), before);
   await page.fill("#move-target", "-90deg");
@@ -965,7 +965,7 @@ test("a fraction of a user unit is refused, a value with a unit is rounded and s
   await row.locator("button.edit").click();
   await row.locator("input").fill("12.5");
   await row.locator("input").press("Enter");
-  await waitForText(page.locator("footer"), /0x6081: "12.5" is a fraction/);
+  await waitForText(page.locator("footer"), /0x6081: "12.5" is not a whole number/);
   await row.locator("text=Cancel").click();
   await page.fill(".objects .search", "");
 });
