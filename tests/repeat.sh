@@ -4,19 +4,19 @@
 #
 #   tests/repeat.sh N [--load none|compiler|spin:K] [--markdown] [ctest arguments...]
 #
-#   N            how many runs, of a build that is made once
-#   --load       what the machine does beside the tests:
+#   N            the number of runs; the build is made once
+#   --load       what else the machine does:
 #                none       nothing, the default
 #                compiler   a compiler on each processor, which compiles one source of the build
 #                           again and again
 #                spin:K     K busy loops
-#   --markdown   the table as it stands in docs/explanation/testing.md
+#   --markdown   prints the table in the format of docs/explanation/testing.md
 #
 # Nothing is tried twice. Each run leaves build/repeat/RUN.xml and RUN.log with the output of each test, and
 # build/repeat/table.txt says what failed, how often and how; tests/checks/failures.py has the kinds. The
-# first line says whether the machine stood still during the runs (tests/checks/standstill.py): then
-# deadlines fail that are none of ours. The load ends with this script, however that ends. Exit code 0:
-# nothing failed.
+# first line says whether the machine stood still during the runs (tests/checks/standstill.py):
+# tests then miss deadlines through no fault of ours. The load ends with this script, however that ends.
+# Exit code 0: nothing failed.
 set -euo pipefail
 
 root=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)
@@ -59,7 +59,7 @@ stop_load() {
   for group in "${loads[@]}"; do
     kill -KILL -- "-$group" 2>/dev/null || true
   done
-  # On a busy machine what was killed runs for a moment; where nobody collects it, it stays.
+  # On a busy machine a killed process runs for another moment; one that nobody waits for remains.
   for group in "${loads[@]}"; do
     for ((tries = 0; tries < 500; ++tries)); do
       kill -0 -- "-$group" 2>/dev/null || break

@@ -6,8 +6,8 @@
 #                [ctest arguments...]
 #
 # Without an option: drive, service, client library and tool with their unit tests, the chosen tests
-# over DDS and every scenario, in 8 minutes on two cores from nothing. Only what tests run through is
-# optimised (preset quick). docs/explanation/testing.md says which tests are chosen.
+# over DDS and every scenario, in 8 minutes on two cores from scratch. Only the core is optimised as in a
+# release (preset quick). docs/explanation/testing.md says which tests are chosen.
 #
 #   --bridges   also the bridges (label bridge): Python module, gateway, ROS 2 and CANopen
 #   --full      what continuous integration checks, in 35 to 40 minutes: all of it as users get it (preset
@@ -18,23 +18,23 @@
 #               browser; and the full counts of property tests and of the fuzzers that are tests
 #               (VDRIVE_FULL=1)
 #   --presets-until MINUTES
-#               begins the build of no preset later than that after the start, and skips its test and, after
-#               the builds, that of the wire on the other Debian: where a run is ended from outside, a slow
-#               machine shows less rather than nothing.
-#   --nightly   --full with their long counts (VDRIVE_NIGHTLY=1), the fuzzers search for new inputs, and the other
-#               Debian (tests/platform) builds and agrees
+#               begins no build of a preset later than this after the start, and skips its test; likewise, after
+#               the builds, the test of the wire on the other Debian. For runs that are ended from outside: a
+#               slow machine then shows less rather than nothing
+#   --nightly   --full with the long counts (VDRIVE_NIGHTLY=1), fuzzers that search for new inputs, and a build and
+#               tests on the other Debian (tests/platform)
 #   --retry-deadlines
 #               runs a test once more, alone, when it promises something about wall time (label
 #               timed) and failed by a deadline; never after a signal, a report of a sanitizer, an
 #               exception or a wrong value (tests/checks/failures.py judges). For machines that
 #               others use, too. Both results are in the last lines
 #
-# The steps and their times are written to standard error. Last are ctest's summary and the number of
-# tests: a suite of unit tests is one line of ctest. A preset is a test too (label checks), so that the
+# The steps and their times are written to standard error. The last lines are ctest's summary, where a suite
+# of unit tests is one test, and the number of single tests. A preset is a test too (label checks), so that the
 # summary covers all of them. What was built and linted once is not done again.
 #
-# A failed test is red: nothing is tried twice, except with --retry-deadlines. How often a test
-# fails, also beside other work, is shown by tests/repeat.sh. Exit code 0: each test passed.
+# A failed test is red: nothing is tried twice, except with --retry-deadlines. tests/repeat.sh
+# shows how often a test fails, also on a loaded machine. Exit code 0: each test passed.
 set -euo pipefail
 
 root=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)
@@ -85,7 +85,7 @@ if $full; then
 else
   left_out='^bridge$'
   if $bridges; then
-    left_out='^full$' # bridges have such tests, too
+    left_out='^full$' # the label of some tests of bridges, too
     labels='^(unit|dds|bridge)$'
     options+=(--target bridge_tests)
   fi
@@ -104,7 +104,7 @@ begin "packages of the system"
 begin "build of the preset $preset and its tests"
 "$root/deploy/build.sh" --preset $preset --tests "${options[@]}"
 
-# Presets, and modes of tests/platform/run.sh.
+# The presets and the modes of tests/platform/run.sh whose tests are skipped.
 export VDRIVE_SKIPPED=
 no_time_left() {
   [[ -n $last_begin ]] && ((SECONDS > last_begin))
@@ -117,11 +117,11 @@ for checked in "${presets[@]}"; do
     continue
   fi
   begin "build of the preset $checked"
-  # Here the progress is seen; a failure is reported by the test of that preset.
+  # This shows the progress; the test of the preset reports a failure.
   "$root/tests/checks/build_preset.sh" "$checked" >&2 || true
 done
 
-# The whole build of the other Debian from nothing is half an hour of two processors (tests/platform/run.sh).
+# A complete build on the other Debian takes half an hour on two processors (tests/platform/run.sh).
 if $full && [[ ${VDRIVE_NIGHTLY:-} != 1 ]]; then
   VDRIVE_SKIPPED+=" check"
 fi
@@ -136,7 +136,7 @@ readonly judge=$root/tests/checks/failures.py results=$root/build/$preset/Testin
 mkdir -p "$results"
 rm -f "$results"/{first,again}.{xml,log}
 ran=("$results/first.xml")
-# A skipped test does not fail a run, but it holds no statement. Runs of some tests show nothing.
+# A skipped test does not fail a run, but it proves no statement. Only a run of all tests is checked.
 check_conformance() {
   if $full && $whole; then
     tests/conformance/check.py "${ran[@]/#/--results=}" >&2
@@ -147,7 +147,7 @@ code=0
 ctest --preset $preset "${ctest_arguments[@]}" --output-junit "$results/first.xml" \
   --output-log "$results/first.log" || code=1
 [[ -s $results/first.xml ]] || exit $code
-# ctest counts its cases, and a suite of GoogleTest is one.
+# For ctest, a suite of GoogleTest is one test.
 "$root/tests/checks/results.py" count "$results/first.xml" >&2
 if ((code == 0)); then
   check_conformance
@@ -156,7 +156,7 @@ fi
 $retry || exit 1
 ctest --preset $preset --show-only=json-v1 >"$results/labels.json"
 mapfile -t late < <("$judge" late "$results/first" "$results/labels.json")
-readonly most=10 # more tests than these are late for one reason
+readonly most=10 # if more tests are late, there is one reason for all
 if ((${#late[@]} > most)); then
   printf '%d tests were late, more than %d: none is repeated\n' ${#late[@]} $most >&2
   exit 1

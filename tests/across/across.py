@@ -6,8 +6,8 @@
 
 BUILD is a build directory, such as build/quick, with the programs of the target across_tests. With --root-b the
 second one is a path inside of ROOT, the root of another system: its programs run there by chroot, which needs
-root. Each check runs with the service of a and the client of b, and the other way round; the manual's examples run
-with both of b, too. Standard output has a line for each: result, check, seconds. Exit code 0: all passed; 1: some
+root. Each check runs with the service of a and the client of b, and the other way round; the manual's examples
+also run with both of b. Standard output has a line for each: result, check, seconds. Exit code 0: all passed; 1: some
 failed, and standard error has why; 2: a program is missing, or an argument is wrong.
 """
 import argparse
@@ -46,7 +46,7 @@ class Side:
         self.name, self.build, self.root, self.domain = name, build, root, domain
 
     def path(self, file):
-        """How a program of this side names a file of this system."""
+        """The path of a file of this system for the programs of this side."""
         return str(file) if self.root is None else "/" + str(pathlib.Path(file).relative_to(self.root))
 
     def missing(self):
@@ -134,7 +134,7 @@ def expect(what, seen, wanted):
 
 
 def stores(service, client, work):
-    """Stores by one version, reads the same directory by the other one, which removes what was stored."""
+    """One version stores; the other one reads the same directory, then removes what was stored."""
     state = work / "state"
     state.mkdir()
     velocity = "profile_velocity"

@@ -44,7 +44,7 @@ namespace vdrive::bare {
 namespace dds = wire::dds;
 namespace rtps = wire::rtps;
 
-/// A status frame on the wire [bytes].
+/// The size of a status frame on the wire [bytes], and its number of axes.
 inline constexpr std::size_t kAxesPerFrame = 256;
 inline constexpr std::size_t kFrameHead = 40;
 inline constexpr std::size_t kAxis = 112;

@@ -6,13 +6,13 @@
              [--build build/release]
 
   bus     every node sends four TPDOs at each SYNC, 100 times a second in real time, while its axis
-          turns: cores of the program and of this client, TPDOs lost, and the time from a SYNC to the
-          last TPDO of it
+          turns: cores of the program and of this client, TPDOs lost, and the time from a SYNC to its
+          last TPDO
   sdo     SDO uploads of an object of the drive in real time at ticks of 1 ms, one after the other:
           round trip with a pause of random length before each, and without
   steps   three nodes follow positions at 1 kHz, stepped by SYNC: the wall time of 10 s of drive time
 
-Prints one JSON line a figure; the rest, such as what the program counted, goes to standard error.
+Prints one JSON line for each figure; the rest, such as the program's counts, goes to standard error.
 Needs the target vdrive-canopen, and a machine without other work.
 """
 import argparse
@@ -93,7 +93,7 @@ class Bus:
         self.send_text(b"".join(text_of(*frame) for frame in frames))
 
     def receive(self, seconds):
-        """The frames that arrive within the time, as soon as there are some."""
+        """Waits at most this time for frames. @return those that have arrived"""
         if not select.select([self._socket], [], [], max(0, seconds))[0]:
             return []
         received = self._socket.recv(1 << 20)
@@ -103,7 +103,7 @@ class Bus:
         return [(int(cob_id, 16), data) for cob_id, data in FRAME.findall(whole + bracket)]
 
     def receive_frames(self, beginning, count):
-        """The text of at least so many whole frames that begin so, and of those between them."""
+        """@return the text of at least `count` frames with this beginning, and of any others between them"""
         text = b""
         while text.count(beginning) < count or not text.endswith(b">"):
             received = self._socket.recv(1 << 16)
@@ -113,7 +113,7 @@ class Bus:
         return text
 
     def transfer(self, node, request):
-        """An SDO of one frame. @return the answer"""
+        """Sends an SDO request of one frame. @return the answer"""
         self.send((0x600 + node, request))
         deadline = time.monotonic() + PATIENCE
         while time.monotonic() < deadline:
@@ -152,8 +152,8 @@ def tpdos(frames):
 
 
 def synchronise(bus, seconds, period, expected):
-    """Sends a SYNC each period. @return how many, the TPDOs, and for each SYNC whose TPDOs came before
-    the next one the time until the last of them [s]"""
+    """Sends a SYNC each period. @return the number of SYNCs, the number of TPDOs, and the time from SYNC to
+    last TPDO [s] for each SYNC whose TPDOs all came before the next SYNC"""
     syncs, received, times = 0, 0, []
     begin = due = time.monotonic()
     sent, missing = begin, 0
@@ -227,8 +227,8 @@ def measure_sdo(options):
 
 
 def follow(bus, nodes, targets):
-    """Sends a target to each node, then SYNC, and waits for the TPDO of each node, again and again. What
-    this client writes and reads is made before and decoded behind the measured time.
+    """Sends a target to each node, then SYNC, and waits for the TPDO of each node, again and again. The
+    frames are made before the measured time and decoded after it.
     @return that time [s], and the highest position that a node showed"""
     commands = [b"\x0f\x00" + target.to_bytes(4, "little", signed=True) for target in targets]
     messages = [b"".join(text_of(0x400 + node, command) for node in nodes) + SYNC
@@ -262,7 +262,7 @@ def measure_steps(options):
                 bus.write(node, 0x1800 + number, 1, 0x80000180 + 0x100 * number + node, 4)
             bus.write(node, 0x6060, 0, 8, 1)
         bus.send(START_ALL)
-        follow(bus, nodes, [0] * 100)  # they enable during this time
+        follow(bus, nodes, [0] * 100)  # in this time the axes become enabled
         for _ in range(options.rounds):
             own, spent = time.process_time(), processor_seconds(program.pid)
             duration, highest = follow(bus, nodes, to_and_fro)

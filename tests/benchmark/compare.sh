@@ -8,10 +8,10 @@
 #
 # N is 7 by default. The commit is built in build/compare/HASH, which is kept for the next run. Each
 # figure is measured in the old tree and immediately afterwards in the new one, so the ratio of such
-# a pair is valid even on a busy machine. The programs that measure steps, frames and publication
-# over DDS are those of this tree; the services are those of both. Process (a bench in the caller's
-# process) and follow (start, and a client that follows 1,000 axes) take both sides from the same
-# tree.
+# a pair is valid even on a busy machine. For steps, frames and publication over DDS, the
+# measuring programs of this tree run with the service of either tree. For process (a bench in the
+# caller's process) and follow (start, and a client that follows 1,000 axes), program and service are
+# of the same tree.
 set -euo pipefail
 
 root=$(cd "$(dirname "${BASH_SOURCE[0]}")/../.." && pwd)

@@ -34,9 +34,9 @@ void command(vdrive::AxisBank& bank, std::size_t axis, std::uint16_t index, std:
 /// A feature of the measured axes that is off by default.
 enum class Extra { none, jerk, habit };
 
-/// Starts moves that last longer than any benchmark. Every second axis cruises, the others change
-/// their speed all the time, each with different numbers. With limited jerk these also change their
-/// acceleration, for 100 s.
+/// Starts moves that last longer than any benchmark, each with different numbers. Every second axis
+/// cruises, the others change their speed all the time; with limited jerk, the others also change
+/// their acceleration, for 100 s.
 vdrive::AxisBank moving_bank(std::size_t axes, const vdrive::AxisModel& model, Extra extra) {
   const bool has_jerk = extra == Extra::jerk;
   vdrive::AxisConfiguration configuration;

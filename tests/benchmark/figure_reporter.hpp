@@ -10,7 +10,7 @@
 
 namespace vdrive::test {
 
-/// Google Benchmark 1.7 of Debian 12 and 1.9 of Debian 13 name this differently.
+/// Google Benchmark 1.7 of Debian 12 and 1.9 of Debian 13 have different members for a failure.
 /// @return the reason for which the run failed, if it did.
 template <typename Run>
 std::optional<std::string> failure_of(const Run& run) {

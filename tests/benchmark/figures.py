@@ -5,8 +5,8 @@
 figures.py pairs FILE   lines of {"pair":1,"tree":"old","figure":...,"axes":...,"value":...}: for each
                         figure the medians of both trees, and the median, the least and the greatest
                         of the ratios new / old of the pairs
-figures.py table FILE   lines of {"figure":...,"axes":...,"value":...}: one row a figure; those with an
-                        "aim" show it beside the value
+figures.py table FILE   lines of {"figure":...,"axes":...,"value":...}: one row for each figure; an "aim"
+                        is shown next to the value
 """
 import json
 import statistics

@@ -6,10 +6,11 @@
   gateway.py --soak 30 [--axes 64] [--clients 5] [--domain 43] [--build build/release]
   gateway.py --ticks 2 [--axes 256] [--clients 20] [--seconds 4] [--domain 43] [--build build/release]
 
---soak watches the memory of a gateway that sends for so many minutes, instead of the rest.
---ticks counts the overruns of the bench in so many rounds: without a gateway, with one whose clients
-have the usual priority, and with one whose clients have idle priority. Those take no time from the
-bench, as clients on other machines. Each with a tick thread of usual priority and of SCHED_FIFO.
+--soak only watches the memory of a gateway that sends for this many minutes.
+--ticks only counts the overruns of the bench, in this many rounds: without a gateway, with one whose
+clients have the usual priority, and with one whose clients have idle priority and therefore, like
+clients on other machines, take no time from the bench; each with a tick thread of usual priority and
+of SCHED_FIFO.
 Prints one JSON object. Needs the targets vdrived, vdrive-gateway and gateway_load.
 """
 import argparse
@@ -52,7 +53,7 @@ def wait_until(condition, what):
 
 
 def shows(port, line):
-    """Whether the metrics behind a port have a line of this pattern; False while nothing answers."""
+    """Whether the metrics at a port have a line of this pattern; False while nothing answers."""
     try:
         text = urllib.request.urlopen(f"http://127.0.0.1:{port}/metrics", timeout=5).read().decode()
     except OSError:
@@ -61,7 +62,7 @@ def shows(port, line):
 
 
 def start_service(options, running, *arguments):
-    """Returns the port of its metrics, once it ticks."""
+    """Returns the port of the service's metrics, once it ticks."""
     port = free_port()
     running.append(subprocess.Popen(
         [options.build / "bin/vdrived", "--domain", options.domain, "--axes", str(options.axes),
@@ -132,7 +133,7 @@ def ticks(options, running):
 
 
 def slope(times, values):
-    """The slope of the straight line of least squares."""
+    """The slope of the least-squares line."""
     middle, mean = sum(times) / len(times), sum(values) / len(values)
     squares = sum((t - middle) ** 2 for t in times)
     return sum((t - middle) * (v - mean) for t, v in zip(times, values)) / squares
@@ -181,7 +182,7 @@ def cost(options, running):
     result["overruns_with"] = overruns(metrics) - before
     result["cores_of_gateway"] = (processor_seconds(gateway.pid) - spent) / options.seconds
     result["rss_mb"] = resident_mb(gateway.pid)
-    # They read nothing, but for less time than a silent client is tolerated.
+    # These clients read nothing, but end before the gateway considers them lost.
     deaf = subprocess.Popen([options.build / "bin/gateway_load", port, "10", "8", "--deaf"])
     running.append(deaf)
     most = result["rss_mb"]

@@ -23,7 +23,7 @@
 namespace {
 
 using namespace vdrive::test;
-using Clock = std::chrono::system_clock;  // the epoch of the ticks of a real-time bench
+using Clock = std::chrono::system_clock;  // a realtime bench counts ticks from its epoch
 
 struct Arguments {
   std::uint16_t port = 0;

@@ -1,13 +1,13 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: Apache-2.0
-"""How long the judge of masters takes: for a journal of 64 axes, and beside a bench that runs.
+"""How long the judge of masters takes: for a journal of 64 axes, and for a running bench.
 
   judge.py BUILD [MINUTES]
 
 BUILD is a directory of a build with Python. A bench in this process, in lock-step, records MINUTES of drive time
 (default 60) in which each of 64 axes gets a new set-point every two seconds; `vdrive judge` reads the journal. Then
-a service in real time has the same masters for 20 s, and `vdrive judge --live` looks on: its share of a core is its
-processor time over that time.
+the same masters command a service in real time for 20 s while `vdrive judge --live` watches: its share of a core is
+its processor time over that time.
 """
 import os
 import pathlib

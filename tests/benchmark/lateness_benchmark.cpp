@@ -6,7 +6,8 @@
 //   vdrive_lateness_benchmark VDRIVED SECONDS CLIENTS PRIORITY [argument of vdrived...]
 //
 // Each client is a process with a session that follows all axes of bench 1. PRIORITY is that of
-// SCHED_FIFO for both; 0 = normal scheduling. If it is not permitted, nothing is measured.
+// SCHED_FIFO for bench and loop; 0 = normal scheduling. If that is not permitted, nothing is
+// measured.
 //
 // A bench counts its ticks in bins of powers of two. A quantile is interpolated within its bin as
 // if the logarithms of the lateness were spread evenly. The bare loop counts in the same way, so
@@ -69,7 +70,7 @@ bool may_have(int priority) {
   return permitted;
 }
 
-/// @return the lateness that the share `share` of the ticks does not exceed [us].
+/// @return the lateness that the fraction `share` of the ticks does not exceed [us].
 double quantile(const Histogram& histogram, double share) {
   std::uint64_t all = 0;
   for (const std::uint64_t count : histogram) all += count;

@@ -11,8 +11,8 @@
 
 namespace vdrive::test {
 
-/// A free-running bench without a wire, with all axes moving. Its output is discarded as the status
-/// and report threads would do.
+/// A free-running bench without a wire, with all axes moving. Its output is taken from the queues,
+/// as by the status and report threads, and discarded.
 class MovingBench {
  public:
   /// Starts motions of all axes that last for the complete run.

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// The time of a durable save, from the order of the stepping thread to its completion, in turn with
-// a bare fsync in the same directory; and of a save of 1,000 axes. Prints one JSON line for each
+// The time of a durable save, from the request of the stepping thread to completion, in turn with a
+// bare fsync in the same directory; and of a save of 1,000 axes. Prints one JSON line for each
 // figure. The argument is the directory (default: the current one); it should be on a disk.
 #include "store/parameter_saver.hpp"
 

@@ -1,12 +1,12 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: Apache-2.0
-"""The cost of the Python module beside the C++ library, and in a process beside DDS, in the same run.
+"""The cost of the Python module against the C++ library, and in the process against DDS, in the same run.
 
   python_figures.py [--build build/release] [--rounds 9] [--steps 2000] [--axes 256] [--seconds 20] [--runs 1]
                     [--only bank|steps|bench|fixture|stream ...]
 
 Bank: ticks of 4,096 moving axes of the drive alone, in C++ (axis_tick_ns of vdrive_core_benchmark) and from
-Python in turn; in Python also with a look at every status, and a write to each axis.
+Python in turn; in Python also with a read of every status, and a write to each axis.
 Steps: rounds of one-tick steps of a private bench in lock-step, C++ and Python in turn; the medians of
 the rounds and the median of the ratios of neighbours. Bench: 64 axes in motion, in the process and over
 DDS in turn: a step, a step that shows all axes, and 10 s of drive time recorded; and a bench of two axes
@@ -14,8 +14,8 @@ that is made, read and ended. Fixture: what the fixture of pytest adds to a test
 session on it, both forms in turn. Stream: every status of a bench in real time at 1 kHz, taken as numpy
 arrays; samples that were lost on the way or dropped.
 
-Prints one JSON line a figure, as vdrive_local_benchmark does; what else is worth a look goes to standard
-error. Needs the targets vdrived, vdrive_python, vdrive_core_benchmark and vdrive_step_benchmark.
+Prints one JSON line for each figure, as vdrive_local_benchmark does; other details go to standard error.
+Needs the targets vdrived, vdrive_python, vdrive_core_benchmark and vdrive_step_benchmark.
 """
 import argparse
 import contextlib
@@ -73,7 +73,7 @@ BANK_AXES = 4096
 
 
 def moving_bank(vdrive):
-    """Return a bank on the moves of core_benchmark.cpp."""
+    """Return a bank with the moves of core_benchmark.cpp."""
     import numpy
 
     bank, axis = vdrive.AxisBank(BANK_AXES), numpy.arange(BANK_AXES)

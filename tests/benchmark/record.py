@@ -4,8 +4,8 @@
 
   record.py [--axes 1024] [--seconds 20] [--domain 47] [--build build/release]
 
-Prints one JSON line a figure: processor time of the recorder in cores, what it missed of a million
-samples, and megabytes a second of its file. Needs the targets vdrived and vdrive.
+Prints one JSON line for each figure: processor time of the recorder in cores, samples that it lost of
+a million, and growth of its file in megabytes per second. Needs the targets vdrived and vdrive.
 """
 import argparse
 import json

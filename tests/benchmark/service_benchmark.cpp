@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // How much faster than real time a free-running bench runs: drive time over wall time of its tick
-// thread on one core, with all axes moving and the status discarded as the status thread would do.
-// Prints one JSON line: the median of the repetitions.
+// thread on one core, with all axes moving. The status is taken from the queue as by the status
+// thread, and discarded. Prints one JSON line: the median of the repetitions.
 #include "moving_bench.hpp"
 
 #include <algorithm>

@@ -606,7 +606,7 @@ test("recordings open in the scope, a cut one up to its end, and a wrong one not
     await waitForText(page.locator(".outcome"), /^notes\.txt\.csv: line 1: no column axis/);
     await waitForText(command("recording_name"), /^cut_run\.csv/);
     await open("cut_run.mcap");
-    // A second of it is one chunk: what is whole may have no sample.
+    // A second is one chunk of the file, so its complete chunks may have no sample.
     await waitForText(page.locator("#app"), /cut_run\.mcap: (the file is truncated: it ends at byte \d+, within a record that begins at byte \d+|it contains no axis status)/);
     await command("close_recording").click();
     await waitForText(command("recording_name"), /^$/);
@@ -660,7 +660,7 @@ test("a mode has what is set for it, by name and as a number, and is set", async
 test("a jogged axis stops when its window loses the focus", async () => {
   await pressAndHold(page, command("jog-plus"));
   await waitForText(figure("velocity"), JOGS);
-  // As reported by a browser; the mouse button stays pressed.
+  // The window loses the focus while the mouse button stays pressed.
   await page.evaluate(() => window.dispatchEvent(new Event("blur")));
   await waitForText(figure("velocity"), /^−?\d UU\/s/);
   await page.mouse.up();
@@ -683,8 +683,8 @@ test("a jog that the gateway has ended needs a new press", async () => {
 });
 
 test("a page whose thread is late by 5 s keeps control", async () => {
-  // The gateway considers a holder of control lost after 10 s. Before the page used a separate
-  // thread for its connection, 2 s of drawing were enough.
+  // The gateway considers a holder of control lost after 10 s. The connection of the page has
+  // a separate thread, which drawing does not delay.
   const goOn = await blockThread(page);
   await new Promise((resolve) => setTimeout(resolve, 5_000));
   await goOn();

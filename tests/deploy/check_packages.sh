@@ -134,7 +134,7 @@ readonly dds="libfast(rtps|dds)" # of Debian 12, of Debian 13
 dpkg-deb --ctrl-tarfile "$(package_of vdrived)" | tar -xO ./conffiles |
   grep -qx /etc/vdrive/vdrived.yaml || fail "the configuration would be overwritten"
 
-# Documents named by a configuration or a unit are in a package; the news are those of this version.
+# Documents named by a configuration or a unit are in a package; the news is about this version.
 manuals() {
   { grep -o 'man [a-z][a-z0-9.-]*' "$unpacked"/etc/vdrive/*.yaml || true
     grep -oh 'man:[a-z0-9.-]*' "$unpacked"/usr/lib/systemd/system/*; } | sed 's/^.*man[ :]//; s/\.$//' | sort -u
@@ -196,8 +196,8 @@ for file in "$unpacked"/usr/bin/* "$unpacked"/usr/lib/python3/dist-packages/vdri
   readelf --dynamic "$file" | grep -q BIND_NOW || fail "$program: not bound at the start"
   symbols=$(readelf --dyn-syms --wide "$file")
   grep -q __stack_chk_fail <<<"$symbols" || fail "$program: no stack protector"
-  # The part with DDS has no copy that could be fortified: none has a buffer of a size that the
-  # compiler knows and that the copy might exceed.
+  # The part with DDS makes no copy that could be fortified, that is, to a buffer whose size the
+  # compiler knows and the copy might exceed.
   [[ $program == libvdrive_dds.so ]] || grep -q '_chk@' <<<"$symbols" || fail "$program: no fortified functions"
   readelf --program-headers --wide "$file" | grep GNU_STACK | grep -q RWE && fail "$program: executable stack"
 done

@@ -25,7 +25,7 @@ if [[ ${1:-} != --inside ]]; then
   fi
   work=$(mktemp -d)
   trap 'rm -rf "$work"' EXIT
-  chmod 755 "$work" # apt reads as a user of its own
+  chmod 755 "$work" # apt reads as its own user
   # A domain reserved for this test as long as this shell keeps the pipe.
   coproc domain { exec python3 -B "$root/tests/support/test_domain.py"; }
   read -r number <&"${domain[0]}"
@@ -97,7 +97,7 @@ version_of() {
   chroot "$clean" dpkg-query --show --showformat='${Version}' "$1"
 }
 
-# The demo from a repository with the previous version; without a key, none is installed.
+# The demo from a repository with an earlier version; without the key it installs nothing.
 mkdir -p "$clean/tree/deploy" "$clean/repository"
 cp "$root"/deploy/{demo,apt}.sh "$clean/tree/deploy/"
 others=()

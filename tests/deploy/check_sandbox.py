@@ -175,7 +175,7 @@ def check_restart(tool, spawner, wire):
     answered = time.monotonic()
     if state != "Operation enabled":
         fail(f"the axis did not outlive the wire: it is in {state}")
-    # After a new run of the service, there would be only one start. Other findings about this
+    # A restarted service would report only one start. Other findings of the doctor about this
     # machine are ignored.
     findings = [finding["text"] for finding in tool.run("doctor", may_fail=True)]
     if not any("bench 1 was started again once" in text for text in findings):

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Finds words in documents and comments that read like a translation, and too wide lines of documents.
+"""Finds words in documents and comments that read like a translation, and lines of documents that are too wide.
 
   check_words.py [--count] [PATH]...
 

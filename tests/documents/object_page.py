@@ -42,7 +42,7 @@ MOMENTS = {"immediately": "", "read_only": "", "at_set_point": ", at set-point",
 
 
 def disturbances_of(help_text):
-    """The rows of the kinds: each has a line with its name and one with its effect."""
+    """@return the rows of the table. In the help, each kind has a line with its name and one with its effect."""
     begin = help_text.index("load_torque")
     lines = [line.strip() for line in help_text[begin:].splitlines()]
     rows = []

@@ -59,7 +59,7 @@ int record(std::string_view move) {
                                              vdrive::recording::Format::csv);
   recording.begin({{.number = 1, .axes = {{.id = kAxis, .name = "x", .topic = "x"}}}});
   if (move == "forward") {
-    start(axis, {.target = 10'000, .velocity = 1'000, .ramp = 6'000});  // the manual's
+    start(axis, {.target = 10'000, .velocity = 1'000, .ramp = 6'000});  // the manual's example
     record_ticks(axis, 0, kForward, recording);
   } else if (move == "blocked") {
     // 0.5 s after the block, the following error reaches 6065h = 20480 UU.

@@ -326,7 +326,7 @@ TEST_F(CallsOfServices, StopDuringACallThatWaits) {
 TEST_F(CallsOfServices, AreDroppedWithAnAnswerWhenTooManyWait) {
   EXPECT_EQ(take(kFirst), "");
   (void)server_.take(kFirst);
-  // One is in progress, and kMostJobs may wait.
+  // One call is in progress, and kMostJobs calls may wait.
   for (std::size_t i = 0; i < bridge::Worker::kMostJobs + 2; ++i) send(kFirst, "/move", "{}");
   const auto sent = server_.take_json(kFirst);
   ASSERT_FALSE(sent.empty());

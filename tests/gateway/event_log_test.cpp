@@ -61,7 +61,7 @@ TEST(EventLog, KeepsAFaultAfterAFloodOfLateTicks) {
   };
   add(1, EventKind::fault);
   add(2, EventKind::fault);
-  // There is room for 1,022 of them; after that, each replaces the oldest of its own kind.
+  // There is room for 1,022 overruns; each further one replaces the oldest overrun.
   for (std::uint64_t i = 0; i < 3 * EventLog::kMostOfABench; ++i) {
     add(10 + i, EventKind::tick_overrun);
   }
@@ -76,8 +76,8 @@ TEST(EventLog, KeepsAFaultAfterAFloodOfLateTicks) {
 TEST(EventLog, KeepsItsHistoryWhenASummaryOfEqualEventsComesLate) {
   EventLog log;
   for (const std::uint64_t tick : {kTick, kTick + 9'000}) log.add(event_at(1, tick));
-  // A summary has the tick of the last equal event, up to a second earlier; a freerun bench runs
-  // any number of ticks in a second.
+  // A summary of equal events comes up to a second late, with the tick of the last of them. In
+  // freerun, any number of ticks may have passed since.
   log.add(event_at(1, kTick + 1));
   log.add(event_at(1, 3));
   EXPECT_THAT(ticks(log, 1), ElementsAre(3, kTick, kTick + 1, kTick + 9'000));

@@ -129,7 +129,7 @@ TEST(GatewayConnection, AnswersInvalidHttpWith400) {
 TEST(GatewayConnection, AcceptsClientsDespiteManySilentConnections) {
   const RunningGateway gateway;
   std::vector<std::unique_ptr<SilentConnection>> silent;
-  // More connections than the gateway keeps; without a WebSocket, these are 32.
+  // More connections than the 32 without a WebSocket that the gateway keeps.
   for (int i = 0; i < 100; ++i) {
     silent.push_back(std::make_unique<SilentConnection>(gateway.port()));
   }
@@ -825,7 +825,7 @@ TEST_F(GatewayControl, IsReleasedByAGracefulClose) {
   expect_released(*axis_);
 }
 
-/// A silent holder is closed after 10 s.
+// Released without the fault that 10 s of silence would cause.
 TEST_F(GatewayControl, IsReleasedByACloseWithoutACode) {
   ToolClient client(gateway_.port());
   command(client);
@@ -860,7 +860,7 @@ TEST_F(GatewayControl, IsLostSoonerAfterAShorterSilenceThatTheHolderChose) {
   ASSERT_EQ(client.call("/take_control", {{"silence_ms", 1'000}})["ok"], true);
   const auto begin = std::chrono::steady_clock::now();
   expect_lost_master(*axis_);
-  // 1 s, a quarter of a second until the gateway checks, and 0.5 s for the watchdog of the bench.
+  // 1 s of silence, up to 0.25 s until the gateway checks, and 0.5 s of the bench's watchdog.
   EXPECT_LT(std::chrono::steady_clock::now() - begin, 8s) << "not the 10 s of a holder by default";
 }
 

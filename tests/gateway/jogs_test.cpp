@@ -71,8 +71,7 @@ TEST_F(JogsOfAClient, RunWhileTheButtonIsHeldAndAgainAfterItWasLetGo) {
   }
 }
 
-// The page was stalled for longer than the gateway waits, then continues with the button still
-// held.
+// The page stalls for longer than the gateway waits, then continues with the button still held.
 TEST_F(JogsOfAClient, NeedANewPressAfterASilence) {
   ASSERT_TRUE(axis_.enable());
   ASSERT_TRUE(request(1'000, Jogs::kHeldTime));
@@ -111,7 +110,7 @@ TEST_F(JogsOfAClient, NeedANewPressWhereTheFirstWasRefused) {
   EXPECT_TRUE(request(0));
 }
 
-// Names of missing axes, each pressed once and never released.
+// The other axes do not exist; each of their buttons is pressed once and never released.
 TEST_F(JogsOfAClient, GiveAnotherAxisThePlaceOfOneWhoseRequestIsNotRepeated) {
   ASSERT_TRUE(axis_.enable());
   for (std::size_t i = 0; i < Jogs::kMostAxes; ++i) {

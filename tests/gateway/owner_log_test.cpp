@@ -80,7 +80,8 @@ TEST(OwnerLog, HasNoTakingOfAnotherAxis) {
   EXPECT_THAT(sut.takings(), IsEmpty());
 }
 
-// Otherwise a page that took its axis back and then lost it to nobody would name the earlier taker.
+// Otherwise a page that took its axis back, then lost it to no other session, would name the
+// earlier one.
 TEST(OwnerLog, ForgetsATakingWhenTheAxisIsTakenBack) {
   OwnerLog sut;
   sut.note(control_event(2, kPageSession, 0));

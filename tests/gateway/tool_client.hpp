@@ -57,7 +57,7 @@ class ToolClient {
 
   /// Waits until a topic is advertised.
   /// @return its channel.
-  /// @throws std::runtime_error after 10 s.
+  /// @throws std::runtime_error after 40 s.
   [[nodiscard]] Json channel(const std::string& topic);
 
   /// @return whether a topic is advertised now.
@@ -67,7 +67,7 @@ class ToolClient {
   void subscribe(const std::string& topic);
 
   /// @return the next message of a subscribed topic.
-  /// @throws std::runtime_error after 10 s
+  /// @throws std::runtime_error after 40 s
   ChannelMessage next(const std::string& topic);
 
   /// The same as JSON, or decoded by the advertised schema.
@@ -76,13 +76,13 @@ class ToolClient {
 
   /// Calls a service.
   /// @return its response, or {"failure": text}.
-  /// @throws std::runtime_error after 20 s.
+  /// @throws std::runtime_error after 40 s.
   Json call(const std::string& service, const Json& request);
 
   void send(const Json& message);
 
   /// Waits for a text message of this operation.
-  /// @throws std::runtime_error after 10 s
+  /// @throws std::runtime_error after 40 s
   Json next_text(const std::string& operation);
 
   /// Reads messages for this duration.

@@ -79,7 +79,7 @@ Arguments parse(const std::vector<std::string>& words) {
 
 // ---- cycle -------------------------------------------------------------------------------------
 
-/// 0.2 s of acceleration and deceleration, 0.1 s at constant velocity: nearly always in motion.
+/// 0.1 s each of acceleration, constant velocity and deceleration: nearly always in motion.
 constexpr std::int32_t kFar = 4'096;
 constexpr client::MoveOptions kMotion{.velocity = 20'480,
                                       .acceleration = 204'800,

@@ -22,14 +22,14 @@ import time
 
 import hosts
 
-SETTLE = 6  # [s] after the last start, when a new participant's announcements end
+SETTLE = 6  # [s] after the last start: by then a new participant's frequent announcements have ended
 REST = 5  # [s]
 METRICS = 9100  # plus the bench number: the port of its metrics
 KINDS = ("multicast", "unicast", "data")
 
 
 class Counters:
-    """Captures what the programs on all hosts send, on any interface."""
+    """Counts what the programs on all hosts send, on any interface."""
 
     def __init__(self, network):
         self.network = network

@@ -247,7 +247,7 @@ def check_rights():
 
 
 def remove_leftovers():
-    """Namespaces of killed runs remain, while their processes are gone: deletes them."""
+    """Deletes the namespaces of killed runs, whose processes are gone."""
     for line in run("ip", "netns", "list").splitlines():
         parts = line.split()[0].split("-")
         if len(parts) == 3 and parts[0] == PREFIX and not os.path.exists(f"/proc/{parts[1]}"):

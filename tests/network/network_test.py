@@ -291,8 +291,8 @@ def TheDiscoveryServerReturnsElsewhereAndIsFoundByItsName(case):
     hosts.wait_for("moves without the server",
                    lambda: all(case.moves(axis, ended + 3) for axis in ("1.1", "2.1")), START)
     former = None
-    # On another host after the lease of the former server; then within its lease, first on another
-    # host, then at the same address.
+    # The server returns on another host after the lease of the former one; then within its lease, first
+    # on another host, then at the same address.
     for name, host in (("server_b", case.b), ("server_c", case.c), ("server_c2", case.c)):
         if former:
             former.kill()
@@ -499,8 +499,8 @@ def long_cut(case, seconds):
         failures = case.failures(axis, began)
         expect(failures, f"{what}: the client did not notice for axis {axis}")
         noticed = failures[0]["time"] - began
-        # By the silence of the bench, or by its messages once they arrive again. That takes until
-        # the host has requested its neighbour's address, once a second.
+        # The client notices the silence of the bench, or else its messages once they arrive again: when the
+        # host has requested its neighbour's address, which it does once a second.
         limit = 0.5 + (SILENCE if seconds > 2 * SILENCE else seconds + 1)
         expect_in_time(noticed, limit, f"{what}: axis {axis} noticed after {noticed:.2f} s")
         expect(failures[0]["outcome"] in ("lost", "failed", "refused"), failures[0])
@@ -537,7 +537,7 @@ def cut_off_bench_2(case):
     case.b.ip("link", "set", "net", "down")
     tick = time.time() * TICKS_PER_SECOND
     noticed = hosts.wait_for("lost bench 2", lambda: case.failures("2.1", began), 3)[0]
-    if noticed["outcome"] == "failed":  # a stop before the silence: the machine stood still
+    if noticed["outcome"] == "failed":  # the axis stopped before the bench was silent: the machine stalled
         case.b.ip("link", "set", "net", "up")
         case.wait_for_moves(time.monotonic(), PATIENCE)
         return False
@@ -595,7 +595,7 @@ def expect_one_line(case, what):
         case.wait_for_moves(time.monotonic(), 20, count=6, axes=(GROUP,))
         jumps = [text for bench, mark in zip(case.benches, marks) for _, text in bench.events(mark)
                  if "jumped" in text]
-        if not jumps:  # after a jump a bench drops its plan: the machine stalled
+        if not jumps:  # a machine that stalls makes the tick number jump, and the bench drops its plan
             break
     first, second = (ticks_of_motion(bench, f"{bench.number}.1", since) for bench in case.benches)
     for name, one, other in zip(("begin", "end"), first, second):
@@ -641,7 +641,7 @@ def cut_group_member(case, seconds):
     hosts.wait_for("fault on bench 2", lambda: [
         text for _, text in case.benches[1].events(marks[1]) if text == "axis 1: fault 0x8130"], PATIENCE)
     time.sleep(max(0.0, began + seconds - time.monotonic()))
-    if seconds > 2 * SILENCE:  # no host returned meanwhile
+    if seconds > 2 * SILENCE:  # time enough to notice before the link is back
         failed = case.failures(GROUP, began)
         expect(failed and "2.1" in failed[0]["message"], f"{what}: {failed}")
         noticed = failed[0]["time"] - began
@@ -739,7 +739,7 @@ def PacketLossLosesNoCommandOrEndsInASafeStop(case):
     case.start_benches()
     case.start_cycle()
     hosts.wait_for("stream", lambda: case.stream("1.1") and case.stream("2.1"), START)
-    # A stall of 100 ms has the same effect on a machine as on a link: try again.
+    # A machine that stalls for 100 ms has the same effect as a link that does: try again.
     expect(any(not move_with_loss(case, 1, 5) for _ in range(6)),
            "1 % loss: calls failed, six times of six")
     move_with_loss(case, 20, 10)

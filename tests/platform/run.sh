@@ -21,8 +21,8 @@
 #   --cache DIR   keeps downloaded packages and compiled objects there; the root stays clean
 #   --keep        keeps the root, and prints its path
 #
-# Needs root, debootstrap, and 5 GB in TMPDIR, more with --full. Mounts are in a namespace of this
-# run, which ends with it, as does every process that it started. Standard output has a row for each
+# Needs root, debootstrap, and 5 GB in TMPDIR, more with --full. Mounts and processes are in namespaces
+# of this run, and end with it. Standard output has a row for each
 # step: release, step, result, time; standard error has the output of the steps. Exit code 0: every
 # step passed; 77: skipped, because root or debootstrap is missing, or because tests/run.sh had no
 # time for it; 2: wrong arguments.
@@ -51,7 +51,7 @@ step() {
   [[ $result == passed ]]
 }
 
-# In the root as its administrator, with the environment of a login and nothing else.
+# Runs a command in the root, as its administrator, with only the environment of a login.
 inside() {
   chroot "$root" /usr/bin/env -i HOME=/root TERM="${TERM:-dumb}" PATH=/usr/sbin:/usr/bin:/sbin:/bin LANG=C.UTF-8 \
     ${JOBS:+JOBS="$JOBS"} ${http_proxy:+http_proxy="$http_proxy"} ${https_proxy:+https_proxy="$https_proxy"} \
@@ -66,7 +66,7 @@ make_root() {
 }
 
 mount_in_root() {
-  mount --bind "$root" "$root" # bubblewrap wants a mount at its /
+  mount --bind "$root" "$root" # bubblewrap needs a mount at its /
   mount -t proc proc "$root/proc"
   mount --rbind /sys "$root/sys"
   mount --rbind /dev "$root/dev"
@@ -78,7 +78,7 @@ mount_in_root() {
   mount --bind "$cache/apt" "$root/var/cache/apt/archives"
 }
 
-# With clang, which takes a third of gcc's time; gcc builds the demo of the README. Compute-bound
+# Builds with clang, in a third of gcc's time; gcc builds the demo of the README. Compute-bound
 # work runs at idle priority, because tests with deadlines run at the same time.
 build_for_check() {
   inside "chrt --idle 0 ./deploy/build.sh --preset quick --tests -D VDRIVE_WARNINGS_AS_ERRORS=ON \

@@ -11,7 +11,7 @@ def pytest_addoption(parser):
 
 
 def needs_dds(item):
-    """Whether a case `over`, the marker `dds` or a bench of the plug-in over DDS needs it."""
+    """Whether a test needs DDS: by its parameter `over`, its marker `dds`, or its bench of the plug-in."""
     cases = item.callspec.params if hasattr(item, "callspec") else {}
     if "over" in cases:
         return cases["over"] == "dds"

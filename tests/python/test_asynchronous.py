@@ -27,7 +27,7 @@ def is_halted(axis):
 
 
 async def cancel_in_motion(awaited, axis):
-    """Cancel the task that awaits it, once the axis moves."""
+    """Cancel the task of `awaited` once the axis moves."""
     task = asyncio.create_task(awaited)
     await axis.wait_until_async(lambda status: status.velocity > 1000, timeout=PATIENCE)
     task.cancel()
@@ -183,7 +183,7 @@ def test_asyncio_does_not_complain_of_a_call_that_fails_after_its_task_was_cance
 
 
 class LateLoop(asyncio.SelectorEventLoop):
-    """Is closed just after the thread of a call has asked whether it is closed."""
+    """A loop that is closed just after the thread of a call has asked whether it is."""
 
     def is_closed(self):
         return threading.current_thread().name != THREAD and super().is_closed()

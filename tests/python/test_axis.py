@@ -65,7 +65,7 @@ def test_an_axis_rests_when_it_is_enabled_unless_it_is_to_keep_its_target(vdrive
 
 
 def test_an_object_is_named_by_index_pair_name_or_name_of_the_standard(axis):
-    # Without limits, the manual's values: the range of INTEGER32.
+    # No limits are set, so both objects have the manual's values: the range of INTEGER32.
     assert axis.read((0x607D, 1)) == -2**31
     assert axis.read("user_position_lower_limit") == -2**31
     axis.write("max_position_limit", 5000)

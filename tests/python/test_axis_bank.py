@@ -53,7 +53,7 @@ def test_the_status_has_each_member_as_read_tells_it():
     members = set(bank.status.dtype.names)
     shared = set(vdrive.record_type().names) & members
     assert len(shared) == 22 and members - shared == {"ds402_controlword"}
-    counted = {"ignored_set_points", "fault_count"}  # no objects
+    counted = {"ignored_set_points", "fault_count"}  # not objects
     for name in members - counted:
         assert bank.read(None, name).tolist() == bank.status[name].tolist(), name
     for name in shared:

@@ -35,7 +35,7 @@ def program():
 
 @pytest.fixture
 def fake(tmp_path):
-    """A function that replaces vdrive-canopen by a shell script."""
+    """A function that replaces vdrive-canopen with a shell script."""
     def make(text):
         path = tmp_path / "vdrive-canopen"
         path.write_text(f"#!/bin/sh\n{text}\n")
@@ -47,7 +47,7 @@ def fake(tmp_path):
 
 LINE = ("vdrive-canopen: bus 1: 2 nodes (4 to 5), socketcand 127.0.0.1:29536, gateway 127.0.0.1:60000, "
         "session 1a2b3c4d5e6f7081")
-# The signal may arrive as soon as the first line has been read, so the shell must be ready before.
+# The signal may arrive as soon as the first line has been read, so the trap is set before that.
 ENDS = """trap 'echo "vdrive-canopen: bus 1: 1234 frames, 5 SDO aborts"; exit 0' TERM"""
 RUNS = "while :; do sleep 0.02; done"
 
@@ -358,7 +358,7 @@ def test_a_program_that_ends_by_itself_does_not_go_unnoticed():
         bus.close()
     bus.close()
     assert bus.exit_code == -signal.SIGKILL
-    with pytest.raises(ValueError, match="of the test"):  # what happened first is what is seen
+    with pytest.raises(ValueError, match="of the test"):  # the first error is the one that is raised
         with vdrive.canopen.Bus(axes=1):
             os.kill((children() - before).pop(), signal.SIGKILL)
             raise ValueError("of the test")
@@ -413,7 +413,7 @@ def test_a_forked_child_leaves_the_bus_to_its_parent():
         with os.fdopen(reader) as file:
             texts = file.read().splitlines()
         os.waitpid(child, 0)
-        # It joins the bus like any other program.
+        # The child joins the bus like any other program.
         assert len(texts) == 3 and "forked" in texts[0] and texts[2] == str(0x00020192)
         with CanClient(bus.host, bus.port) as client:
             assert client.read(1, 0x1000) == 0x00020192
@@ -457,7 +457,7 @@ def test_python_can_sees_every_frame_of_a_burst_in_order():
     count = 2000
     with vdrive.canopen.Bus(axes=1) as bus, CanClient(bus.host, bus.port) as client:
         listener = bus.can()
-        listener.send(can.Message(arbitration_id=0x7E4, is_extended_id=False))  # it is in
+        listener.send(can.Message(arbitration_id=0x7E4, is_extended_id=False))  # it is on the bus when this arrives
         client.wait_for(lambda frame: frame.id == 0x7E4)
         for number in range(count):
             client.send(0x7E5, number.to_bytes(2, "little"))
@@ -551,7 +551,7 @@ def test_a_node_answers_what_its_device_configuration_file_says(tmp_path, machin
     sheet.read_string(text)
     objects = {name: entry for name, entry in sheet.items()
                if re.fullmatch(r"[0-9A-F]{4}(sub[0-9A-F]+)?", name) and "DefaultValue" in entry
-               and not re.fullmatch("1003sub[1-8]", name)}  # of a node without errors: 08000024h
+               and not re.fullmatch("1003sub[1-8]", name)}  # a node without errors refuses these with 08000024h
     differing, compared = [], 0
     with vdrive.canopen.Bus(sync_steps=PERIOD, **options) as bus, CanClient(bus.host, bus.port) as client:
         for name, entry in objects.items():

@@ -38,8 +38,8 @@ def run(program, **environment):
     return finished
 
 
-# A busy machine may keep a master from sending for half a second, and some for two, after which it
-# would lose its axes. A watchdog time of five seconds still shows in a test whether it sends.
+# A busy machine may keep a master from sending for half a second, sometimes for two, and the master
+# would lose its axes. A watchdog time of five seconds still shows whether it sends.
 BENCH = "watchdog: {timeout_ms: 5000}\naxes: [{number: 1}]\n"
 
 
@@ -96,7 +96,7 @@ ENDS = {
 
 
 # In real time, threads run at the fork: those of the parent's bench, or those of the DDS library.
-# Over DDS, lock-step only adds one more way for the parent to wait, which one end covers.
+# Over DDS, lock-step only adds one more way for the parent to wait, which one of ENDS covers.
 # tests/run.sh --full runs all combinations.
 FORMS = (("local", "lockstep"), ("local", "realtime"), ("dds", "realtime"))
 FORKS = [(end, over, clock) for end in ENDS for over, clock in FORMS
@@ -181,7 +181,7 @@ def test_a_child_gets_a_clear_error_from_all_that_it_inherited(inherited):
         return texts
 
     assert in_a_child(kinds) == "[]"
-    inherited["axis"]()  # of the parent, which goes on
+    inherited["axis"]()  # the parent's own call still works
 
 
 @pytest.mark.vdrive(over="local")

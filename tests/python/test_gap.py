@@ -254,7 +254,7 @@ def test_a_program_that_was_stopped_for_4_seconds_goes_on(vdrive_bench):
 
 # The first status received after the pause was sent during it, when the axis was already disabled.
 # Receiving the status of a thousand axes takes a while, so at least one of several programs makes
-# its call earlier.
+# its call before it has that status.
 HALTING = """
 import sys, vdrive
 session = vdrive.Session(domain={domain}, find_timeout=30)

@@ -68,8 +68,8 @@ INTERRUPTED += [(wait, "local") for wait in WAITS if wait != "finding"]
 @pytest.mark.parametrize("name, over", INTERRUPTED)
 def test_ctrl_c_ends_a_wait_and_the_session_continues(name, over):
     wait = WAITS[name]
-    # numpy is imported first: a follower imports it at its start, where an interrupt is an
-    # ImportError.
+    # numpy is imported first: a follower would import it when it starts, and an interrupt would then
+    # become an ImportError.
     process = begin(f"""
         import numpy, threading, vdrive
         with vdrive.Bench(2, over="{over}") as bench, bench.session() as session:
@@ -282,13 +282,13 @@ def test_a_signal_ends_the_wait_for_a_condition_that_is_slower_than_the_ticks(vd
     calls = []
 
     def condition(status):
-        other.wait(0.005)  # five ticks: from the second call on, one is always waiting
+        other.wait(0.005)  # five ticks: from the second call on, a sample is always waiting
         calls.append(status.tick)
         if len(calls) == 3:
             signal.raise_signal(signal.SIGALRM)
 
     with handler_of_alarm(lambda number, frame: None), pytest.raises(vdrive.Failed, match="interrupted"):
-        vdrive_session.axis("1.1").wait_until(condition, timeout=30.0)  # more than three calls take
+        vdrive_session.axis("1.1").wait_until(condition, timeout=30.0)  # longer than three calls take
 
 
 def test_an_interrupted_take_loses_no_sample_and_counts_each_once(vdrive_session):
@@ -427,7 +427,7 @@ def test_a_killed_program_leaves_no_service_behind():
     assert ended, "the service still runs"
 
 
-@pytest.mark.vdrive(over="dds")  # the program meets its bench
+@pytest.mark.vdrive(over="dds")  # which the program can find
 def test_a_program_that_ends_without_closing_releases_its_axes(vdrive_bench, vdrive_session):
     program = f"""
         import vdrive

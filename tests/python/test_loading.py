@@ -12,11 +12,11 @@ import vdrive
 
 LIBRARY = "libvdrive_dds.so"
 FAST_DDS = ("libfastrtps", "libfastdds")  # 2.9, 3.1
-OF_DDS = (*FAST_DDS, "libtinyxml2", LIBRARY)  # numpy loads libcrypto
+OF_DDS = (*FAST_DDS, "libtinyxml2", LIBRARY)  # not libcrypto, which numpy loads, too
 
 
 def run(program, **environment):
-    """Run a Python program in a process of its own; return its output."""
+    """Run a Python program in its own process; return its output."""
     finished = subprocess.run([sys.executable, "-c", textwrap.dedent(program)], timeout=120,
                               capture_output=True, text=True, env={**os.environ, **environment})
     assert finished.returncode == 0, finished.stderr
@@ -73,7 +73,7 @@ def test_numpy_and_asyncio_are_loaded_when_they_are_used():
 
 
 def test_threads_may_meet_in_their_first_array():
-    """pybind11 imports numpy under a guard, where two threads used to deadlock."""
+    """pybind11 imports numpy under a guard, where two threads could deadlock."""
     run("""
         import sys
         import threading

@@ -15,7 +15,7 @@ def entries(directory):
 
 def test_a_bench_in_lock_step_has_no_thread_and_no_file():
     with vdrive.Bench(axes=1) as bench, bench.session() as session:
-        session.axis("1.1").enable()  # what Python itself needs for a wait is there from now on
+        session.axis("1.1").enable()  # now Python has all that it needs for a wait
         threads, files = entries("/proc/self/task"), entries("/proc/self/fd")
         with vdrive.Bench(axes=1) as second, second.session() as other:
             axis = other.axis("1.1")
@@ -117,7 +117,7 @@ def test_a_journal_that_cannot_be_written_is_named(tmp_path):
             vdrive.Bench(over="local", journal=file)
 
 
-# How to make it from a session that is no longer referenced when it is used.
+# How to make each handle from a session, and to use it when nothing else references the session.
 HANDLES = {
     "session": (lambda session: session, lambda session: session.step()),
     "axis": (lambda session: session.axis("1.1"), lambda axis: axis.status()),
@@ -145,7 +145,7 @@ def test_a_stream_of_events_keeps_the_bench_of_its_session():
 
 
 def test_a_bench_that_nobody_has_any_more_ends(tmp_path):
-    """Deleting a bench frees its state directory, even if it holds a session of its own."""
+    """Deleting a bench frees its state directory, even if it holds its own session."""
     class Rig(vdrive.Bench):
         def __init__(self):
             super().__init__(axes=1, state=tmp_path)

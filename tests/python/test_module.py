@@ -106,7 +106,7 @@ def test_the_members_of_a_status_are_those_of_a_record(vdrive_session):
             assert getattr(status, name) == record[name], name
 
 
-@pytest.mark.vdrive(over="dds")  # the tool meets its bench
+@pytest.mark.vdrive(over="dds")  # which the tool can find
 def test_a_recording_of_the_tool_is_read_back_unchanged(vdrive_bench, vdrive_session, tmp_path):
     axis = vdrive_session.axis("1.1")
     axis.enable()

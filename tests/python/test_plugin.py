@@ -49,7 +49,7 @@ def test_a_failing_test_ends_its_bench(pytester):
     """)
     result = pytester.runpytest_subprocess("-q", "--vdrive-over=dds", timeout=100)
     result.assert_outcomes(failed=1)
-    # By process and not by domain, which another test may be using by now.
+    # Found by process and not by domain, which another test may already be using.
     children = (pytester.path / "children").read_text().split()
     assert children
     for child in children:

@@ -53,8 +53,7 @@ session.step(20)
     assert subprocess.run([sys.executable, "-c", program], timeout=60).returncode == 0
 
 
-# 2 s, or up to three times as long on a slow machine: less than the 30 s that such a search used to
-# take.
+# find_timeout is 2 s; on a slow machine the search may take up to three times as long.
 def test_a_wrong_number_of_a_bench_costs_the_time_of_every_session(vdrive_session):
     assert vdrive_session.find_bench().number == 1
     begin = time.monotonic()

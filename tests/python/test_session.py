@@ -301,7 +301,7 @@ def test_another_thread_runs_while_a_move_waits(vdrive_session):
 
     thread = threading.Thread(target=move)
     thread.start()
-    while axis.status().position == 0:  # the interpreter lock is released meanwhile
+    while axis.status().position == 0:  # the move has released the interpreter lock
         assert thread.is_alive()
     vdrive_session.interrupt()
     thread.join(60)

@@ -106,7 +106,7 @@ def test_one_bench_was_shared():
 """
 
 
-# One before, one after, and two for each of the 9 changes to leave, 4 over DDS; one of them fails.
+# One test before, one after, and two for each of the 9 LEAVES, or 4 over DDS; one of them fails.
 @pytest.mark.parametrize("over, passed", [("local", 19), ("dds", 9)])
 def test_what_a_test_leaves_does_not_reach_the_next_one(pytester, monkeypatch, over, passed):
     if over == "dds":

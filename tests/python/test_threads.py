@@ -55,7 +55,7 @@ CALLS = {
     "a move": lambda session, axis, tell: (axis.enable(), tell(), axis.move_to(10**9, velocity=10, timeout=1e6)),
     "drive time": lambda session, axis, tell: (tell(), session.wait(1e6)),
     "a follower": lambda session, axis, tell: [tell() for _ in session.follow("1.1")],
-    # Other events do not end the call: an acquired axis in this tick, a late tick in real time.
+    # The call outlasts other events, such as the acquisition in this tick or a late tick in real time.
     "an event": lambda session, axis, tell: (tell(), [session.events().next() for _ in itertools.count()]),
 }
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The interpreter as a program of this build, since the runtime of a sanitizer must be linked into
-// the program that loads the module.
+// The Python interpreter as a program of this build: the program that loads the module must be
+// linked with the runtime of the sanitizer.
 #define PY_SSIZE_T_CLEAN
 #include <Python.h>
 

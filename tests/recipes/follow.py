@@ -6,11 +6,11 @@ follow.py [--check] DIRECTORY
 
 Copies the tree to DIRECTORY/tree, makes a scratch object, status member, event, topic, kind of
 request, figure, operating mode and fault there, builds in DIRECTORY/build and runs the tests that
-the recipes name. An edit may change only files that its recipe names, and each path of a recipe
-exists: a recipe that forgets a place fails. So does one that edits more product files than MOST_FILES
-allows: what crosses a room is described once. With --check nothing is built. Without VDRIVE_NIGHTLY=1
-and --check it is skipped (exit code 77): it builds core, wire, engine, clients and their tests. A
-second run in DIRECTORY builds what has changed.
+the recipes name. An edit may change only files that its recipe names, and each path in a recipe must
+exist, so a recipe that forgets a place fails. So does one that edits more product files than MOST_FILES
+allows: what several rooms need must be described in one place. With --check nothing is built. Without
+--check it needs VDRIVE_NIGHTLY=1 and is otherwise skipped (exit code 77), because it builds core, wire,
+engine, clients and their tests. A second run in DIRECTORY builds only what has changed.
 """
 import argparse
 import os
@@ -117,7 +117,7 @@ class Recipe:
 
 
 def after(path, anchor, text):
-    """`text` behind the line that contains `anchor`."""
+    """`text` after the line that contains `anchor`."""
     return path, anchor, lambda line: line + "\n" + text
 
 
@@ -359,7 +359,7 @@ def build(tree, directory):
 
 
 def take_check(tree, directory):
-    """The last step of an object: the test names the check of the new rows."""
+    """The last step for an object: the test prints the check of the new rows, which is written into it."""
     said = run(directory / "tests/core/core_test", "--gtest_filter=ObjectTable.HasANewVersion*",
                capture_output=True, text=True).stdout
     match = DIGEST.search(said)

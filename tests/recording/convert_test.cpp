@@ -86,7 +86,7 @@ TEST_F(Convert, OfATextUsesTheGivenPeriod) {
 
 TEST_F(Convert, OfAnIncompleteMcapGivesItsContentAndReportsIt) {
   const std::string whole = mcap_of(benches_, samples_);
-  // Without its summary all messages are still there.
+  // Only the summary is cut off; all messages are still there.
   put("a.mcap", whole.substr(0, whole.size() - 100));
   const Contents contents = make("a.mcap", "b.csv");
   EXPECT_THAT(contents.cut, HasSubstr("at byte " + std::to_string(whole.size() - 100)));

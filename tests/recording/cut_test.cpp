@@ -55,7 +55,7 @@ TEST(IncompleteMcap, IsReadUpToItsLastWholeChunk) {
     SCOPED_TRACE("cut at " + std::to_string(size));
     const Read read = read_back(Format::mcap, file.bytes.substr(0, size));
     EXPECT_THAT(read.contents.cut, HasSubstr("at byte " + std::to_string(size)));
-    // The complete chunks; a chunk that lacks only its indexes still has its messages.
+    // The complete chunks are read, and a chunk that lacks only its indexes.
     const auto whole =
         static_cast<std::size_t>(std::ranges::count_if(file.ends, [size](std::size_t end) {
           return end <= size;
@@ -85,7 +85,7 @@ TEST(IncompleteMcap, NeverGivesOtherValuesAfterADamagedByte) {
     const std::size_t place = random() % file.ends.back();
     damaged[place] = static_cast<char>(damaged[place] ^ (1 << random() % 8));
     SCOPED_TRACE("byte " + std::to_string(place));
-    // A record that claims to extend beyond the file ends the file; another one is refused.
+    // A record that claims to extend beyond the file counts as cut off; other damage is refused.
     try {
       const Read read = read_back(Format::mcap, damaged);
       ASSERT_THAT(read.contents.cut, Not(IsEmpty()));

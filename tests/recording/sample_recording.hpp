@@ -18,7 +18,8 @@ namespace vdrive::test {
 std::vector<recording::RecordedBench> benches_of(std::size_t benches, std::size_t axes);
 
 /// Samples in which every published member of every axis has a different value, including the
-/// lowest and the highest of its type. The ticks count from 1,000; 2 are missed before every fifth.
+/// lowest and the highest of its type. The ticks count from 1,000; two are missed before every
+/// fifth.
 std::vector<client::Observation> samples_of(const recording::RecordedBench& bench,
                                             std::size_t count);
 
@@ -52,7 +53,7 @@ struct Read {
 Read read_back(recording::Format format, const std::string& bytes);
 
 /// Compares the status of axes, including the owner, and the missed samples.
-/// @param has_sequence also the last sequence, which texts do not have
+/// @param has_sequence also compares the last sequence number, which text formats do not have
 void expect_equal(const std::vector<client::Observation>& read,
                   const std::vector<client::Observation>& written, bool has_sequence);
 

@@ -162,7 +162,7 @@ TEST(BenchMotion, GoesOnWhereTheBenchHoldsAndKeepsALargerDistance) {
   fake.turn();
   const auto frames = with_axes(fake.drives.at(1).take_sent());
   ASSERT_FALSE(frames.empty());
-  // 8 ms are 8 ticks; after set-points that were late, the distance doubles to 16.
+  // The lead of 8 ms is 8 ticks; set-points that were late have doubled it.
   EXPECT_EQ(frames.front().tick, fake.drives.at(1).tick() + 16);
   fake.run(1'000);
   EXPECT_EQ(fake.drives.at(1).axis(0).status.position_demand_value, 1'000);

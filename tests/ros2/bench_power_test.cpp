@@ -147,7 +147,7 @@ TEST(BenchPower, WritesTheModeOfEachJointBeforeItsPower) {
       << "60C2h:01, three offsets and the targets that an axis would follow at once";
 }
 
-// From every state, even where the axis keeps a mode set by another program.
+// In every state, even if the axis keeps a mode set by another program.
 TEST(BenchPower, LetsAnAxisRestThatGetsItsPower) {
   for (const PowerState from :
        {PowerState::switch_on_disabled, PowerState::ready_to_switch_on, PowerState::switched_on,
@@ -272,8 +272,8 @@ TEST(BenchPower, DisablesWhatItHasEnabledAndThenGivesItBack) {
               ElementsAre(ControlWish::take, ControlWish::leave, ControlWish::give_back));
 }
 
-// The words act in a later tick than that of the latest state. An axis released before then would
-// be enabled without a master.
+// Words that are on their way act in a later tick than that of the latest state. An axis released
+// before would be enabled without a master.
 TEST(BenchPower, GivesNothingBackWhileWordsThatEnableAreOnTheirWay) {
   Powered bench;
   bench.power.want_enabled(true, false);

@@ -58,7 +58,7 @@ class FakeBench {
     return joints;
   }
 
-  /// Positions of 10 rad, 5 rad/s, 50 rad/s², 3 N.m and 30 N.m/s.
+  /// -10 to 10 rad, 5 rad/s, 50 rad/s², 3 N.m and 30 N.m/s.
   static JointLimits limits() {
     return {.lower = -10.0,
             .upper = 10.0,

@@ -103,7 +103,7 @@ TEST(JointPlan, RampsToAVelocityAndKeepsIt) {
   int ticks = 0;
   while (joint.plan.streams() && ++ticks < 1'000) {
     joint.step();
-    // 50 rad/s² are 0.05 rad/s per tick, 50 units of 0.001 rad/s; two roundings.
+    // 50 rad/s² are 0.05 rad/s per tick, 50 units of 0.001 rad/s, plus one for two roundings.
     EXPECT_LE(shown.velocity_demand_value - last, 51);
     last = shown.velocity_demand_value;
   }
@@ -154,7 +154,7 @@ TEST(JointPlan, RampsToAnEffortInThousandthsOfTheRatedTorque) {
   int last = 0;
   for (int tick = 0; tick < 1'000 && joint.plan.streams(); ++tick) {
     joint.step();
-    // 30 N.m/s are 0.03 N.m per tick, 10 units of 0.003 N.m; two roundings.
+    // 30 N.m/s are 0.03 N.m per tick, 10 units of 0.003 N.m, plus one for two roundings.
     EXPECT_GE(shown.torque_demand - last, -11);
     last = shown.torque_demand;
   }

@@ -212,7 +212,7 @@ TEST(Joints, ThatAreUnknownGetTheNearestNameAndTheFirstKnownOnes) {
   EXPECT_EQ(sut.unknown("lifr"), "is unknown: no bench is served yet") << "of the joints of now";
 }
 
-// The message contains 8 of the 1,000 names, and the known name among them is found.
+// The message lists 8 of the 1,000 names; the suggestion is chosen from all of them.
 TEST(Joints, ThatAreUnknownGetAMessageOfBoundedLength) {
   JointDirectory sut;
   std::vector<ServedJoint> many;

@@ -65,7 +65,7 @@ class Stepper {
     const auto reached = session_.step(bench_, ticks);
     ASSERT_TRUE(reached) << reached.outcome().message();
     tick_ = *reached;
-    // The clock of a tick is published together with its state, but with reliable delivery.
+    // /clock is published with the state but read reliably, so it tells whether the state was lost.
     ASSERT_TRUE(peer_.wait_for_stamp(joint_, static_cast<std::int64_t>(tick_) * kTick))
         << "tick " << tick_ << ", the clock is at tick " << peer_.clock() / kTick;
   }
@@ -264,8 +264,8 @@ std::size_t count_of(const std::string& text, const std::string& part) {
   return count;
 }
 
-// In real time, where a session that ends loses its axes. A watchdog time of five seconds does not
-// trip on a busy machine.
+// In real time, because there a session that ends loses its axes. A watchdog of five seconds does
+// not trip on a busy machine.
 TEST(Ros2Control, IsAwaitedWithOneLogLineAndTakenAfterItsOwnerEnded) {
   const BenchFile file(
       "clock: {mode: realtime}\nwatchdog: {timeout_ms: 5000}\naxes:\n"

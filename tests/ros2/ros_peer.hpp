@@ -21,7 +21,7 @@ class RunningBridge {
   /// @param words command line without the domain
   explicit RunningBridge(const std::string& words = "");
 
-  ~RunningBridge();  ///< ends it like stop(); the test fails if it ended otherwise
+  ~RunningBridge();  ///< stops it, unless stop() or kill() did; expects exit code 0
   RunningBridge(const RunningBridge&) = delete;
   RunningBridge& operator=(const RunningBridge&) = delete;
 
@@ -76,7 +76,7 @@ class RosPeer {
   /// @return all lines of rosout so far, each with a line feed.
   [[nodiscard]] std::string log() const;
 
-  /// @return [ns]; 0 before the first message.
+  /// @return the latest time of /clock [ns]; 0 before the first message.
   [[nodiscard]] std::int64_t clock() const;
 
   /// Waits until the condition holds, checking it after each message.

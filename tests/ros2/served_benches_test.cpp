@@ -62,7 +62,7 @@ TEST(ServedBenches, ReplaceABenchThatWasRestarted) {
   fake.find();
   EXPECT_THAT(fake.restarted, ElementsAre(before));
   EXPECT_EQ(fake.benches.all().at(1).bench->info().incarnation, 17U);
-  // The report that it was found is a repeated text within a second, so it is left out.
+  // "found" is reported once: the second report repeats the text within a second.
   EXPECT_THAT(fake.written.lines, ElementsAre(HasSubstr("found"), "bench 1: was restarted"));
 }
 

@@ -27,7 +27,7 @@ struct Streamed {
   }
 };
 
-TEST(SetPointStream, BeginsBehindTheLeadOrWhereItIsWanted) {
+TEST(SetPointStream, BeginsAfterTheLeadOrWhereItIsWanted) {
   Streamed sut;
   sut.stream.begin(1'000);
   EXPECT_EQ(sut.stream.sent_until(), 1'019U) << "the first set-point is 20 ticks ahead";

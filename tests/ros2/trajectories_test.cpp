@@ -90,7 +90,7 @@ TEST(Trajectories, WaitForTheirTime) {
   fake.run(100);
   EXPECT_THAT(fake.written.lines, IsEmpty());
   // The trajectory starts at its stamp, 200 ticks after the message, and arrives 1,000 ticks later.
-  // One tick before that, 0.1 UU are left, which disappear by rounding.
+  // One tick before the arrival, the 0.1 UU that are left are rounded away.
   fake.run(1'099);
   EXPECT_EQ(fake.demand(1, 0), 100);
   EXPECT_THAT(fake.written.lines, Contains(HasSubstr("number 1 of x, 1 points: starts")));

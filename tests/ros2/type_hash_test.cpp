@@ -60,8 +60,7 @@ TEST(RosTopic, HasThePrefixOfRosAndAValidName) {
   }
 }
 
-/// @return the DDS name of a type, which in the code generated from the IDL is the name of its
-///         class as the compiler writes it.
+/// @return the DDS name of a type: the full name of its generated class, as the compiler writes it.
 template <typename Message>
 std::string dds_type() {
   std::string_view text = __PRETTY_FUNCTION__;

@@ -44,8 +44,8 @@ using testing::SizeIs;
 
 using Json = nlohmann::ordered_json;
 
-/// One call of `vdrive test`, without times, without the place of a search, and without the order
-/// in which files that ran in parallel ended.
+/// The outcome of a call of `vdrive test`, without times, without the place of a search, and
+/// without the order in which files that ran in parallel ended.
 struct Verdicts {
   int code = 0;
   std::vector<std::string> lines;  ///< sorted
@@ -56,7 +56,7 @@ std::string without_times(const std::string& text) {
   return std::regex_replace(text, std::regex(R"re( time="[0-9.]+")re"), "");
 }
 
-/// A search names the domain or the bus, and its outcome.
+/// Removes where a search took place and which benches it saw.
 std::string without_place(const std::string& text) {
   static const std::regex place(R"re( on (this bus|domain \d+)| \(seen: [^)]*\))re");
   return std::regex_replace(text, place, "");
@@ -115,7 +115,7 @@ class BothWires : public testing::Test {
 const std::filesystem::path kScenarios =
     std::filesystem::path(VDRIVE_SOURCE_DIR) / "clients" / "scenarios";
 
-/// @return one scenario of each kind, those that take the least drive time.
+/// @return one scenario of each kind: the one that takes the least drive time.
 std::vector<std::string> short_scenarios() {
   std::vector<std::string> files;
   for (const char* const name : {"blocked_axis", "fault_reset", "homing", "quick_stop", "refusals",

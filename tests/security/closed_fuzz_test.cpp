@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Sends a closed bench and its client datagrams of their own run with changes in the fields that
-// are in clear. Recorded datagrams would not do, because the keys are new in each run, and
-// datagrams that belong to no known participant never reach the decryption.
+// Sends a closed bench and its client the datagrams of this run, changed in the fields that are in
+// clear. Recordings of earlier runs would not do: the keys are new in each run, and datagrams of
+// unknown participants never reach the decryption.
 #include "guard/datagram_check.hpp"
 #include "guard/rtps.hpp"
 #include "security/material.hpp"
@@ -56,7 +56,7 @@ struct Captured {
   Datagram datagram;
 };
 
-/// The kind of content in clear, by which rare datagrams are changed as often as frequent ones.
+/// Kinds of datagrams, as seen in clear. Rare kinds are changed as often as frequent ones.
 enum class Content : std::uint8_t { message, keys, handshake, announcement, other };
 constexpr std::size_t kContents = 5;
 constexpr std::array<const char*, kContents> kContentNames{
@@ -219,7 +219,7 @@ class ClearFieldMutator {
     return found == parts.end() ? parts.back() + 4 : *found + 4;
   }
 
-  /// Replaces a 32-bit number by one that is likely to upset sums and comparisons.
+  /// Replaces a 32-bit number with one that is likely to upset sums and comparisons.
   void number(Datagram& datagram, std::size_t place) {
     if (place + 4 > datagram.size()) return;
     constexpr std::array<std::uint32_t, 10> kNumbers{
@@ -240,7 +240,7 @@ class ClearFieldMutator {
     datagram[part + 3] = static_cast<std::uint8_t>(value >> 8U);
   }
 
-  /// Omits, repeats or moves a submessage to the end.
+  /// Omits a submessage, repeats it at the end, or moves it there.
   void move(Datagram& datagram, const std::vector<std::size_t>& parts) {
     const std::size_t which = below(parts.size());
     const std::size_t from = std::min(parts.at(which), datagram.size());
@@ -376,8 +376,7 @@ class FuzzedBench : public testing::Test {
     return true;
   }
 
-  /// Sends `count` changed datagrams of this run back to it. @return whether service and client
-  /// survive.
+  /// Sends `count` changed datagrams of this run. @return whether service and client survive.
   [[nodiscard]] bool attack(std::uint64_t count) {
     for (std::uint64_t number = 0; number < count; ++number) {
       Captured captured = capture_.any(random_);
@@ -388,7 +387,7 @@ class FuzzedBench : public testing::Test {
       }
       note(captured.datagram);
       sender_.send(captured);
-      // The sockets hold some hundred datagrams, so a short pause lets them be read.
+      // Short pauses let the programs read their sockets, which drop datagrams when they are full.
       if (number % 64 == 0) std::this_thread::sleep_for(1ms);
       if (number % 1024 != 0) continue;
       if (has_ended(*service_)) {

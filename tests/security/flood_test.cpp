@@ -34,7 +34,7 @@ namespace {
 
 using namespace std::chrono_literals;
 
-/// The queues keep the room of their largest messages: 1,024 arrivals and 1,024 waiting frames of
+/// The queues keep the memory of their largest messages: 1,024 arrivals and 1,024 waiting frames of
 /// at most 256 axes with some 300 bytes each are 160 MB; the readers' histories of 1,024 samples of
 /// at most 75 kB are as much again.
 constexpr std::size_t kMostMemory = std::size_t{512} * 1024;  // [kB]
@@ -53,7 +53,7 @@ class Flooder {
     return requests_.wait_for_matched(1, within) && frames_.wait_for_matched(1, within);
   }
 
-  // A message that is not accepted has waited for room in the service, which is allowed.
+  // A write may fail after it has waited for room in the service.
   void send(const msg::Request& request) { static_cast<void>(requests_.write(request)); }
 
   void send(const msg::CommandFrame& frame) { static_cast<void>(frames_.write(frame)); }
@@ -274,7 +274,7 @@ std::vector<std::uint8_t> fragment_of_an_announcement(const wire::Source& source
   add({0x16, 1, (32 + kFragment) % 256, (32 + kFragment) / 256});  // DATA_FRAG, little endian
   add({0, 0, 28, 0, 0, 1, 0, 0xC7, 0, 1, 0, 0xC2});                // from and to discovery
   add({0, 0, 0, 0, number, 0, 0, 1});                              // sequence number
-  add({1, 0, 0, 0, 1, 0, kFragment % 256, kFragment / 256});       // the first, and only this one
+  add({1, 0, 0, 0, 1, 0, kFragment % 256, kFragment / 256});       // the first fragment, alone
   for (int shift = 0; shift < 32; shift += 8) {
     packet.push_back(static_cast<std::uint8_t>(size >> shift));
   }
@@ -349,8 +349,9 @@ void send_to_discovery(const std::vector<std::uint8_t>& packet) {
 class AService : public testing::Test {
  protected:
   void expect_no_room(std::size_t before) {
-    // A participant that is found now was announced after the flood, and so was the request. The
-    // probe may have lost its bench during the flood and, unlike a session, does not search again.
+    // This session announces itself after the flood, so the flood has been handled when the session
+    // is served. The probe may have lost its bench during the flood and, unlike a session, does not
+    // search again.
     client::Session session({.domain = test_domain(), .find_timeout = 60s});
     auto axis = session.axis("1.1");
     ASSERT_TRUE(axis) << "no client is served";
@@ -363,8 +364,8 @@ class AService : public testing::Test {
   Flooder flooder_;
 };
 
-// A million axes with four objects each take more than 72 MB; the largest permitted frame has less
-// than 40 kB.
+// A million axes with four objects each take more than 72 MB; the largest permitted frame has
+// 41 kB.
 TEST_F(AService, AllocatesNothingForAMessageLargerThanItsType) {
   ASSERT_TRUE(probe_.find_bench());
   ASSERT_TRUE(flooder_.is_received());

@@ -165,7 +165,7 @@ class AttackedBench {
   Authority authority_;
   fs::path controller_ = authority_.member("controller desk");
   Process service_;
-  bool is_ready_;  ///< set before another participant exists: the ports are those of the first one
+  bool is_ready_;  ///< before the members below, so that the service has the domain's first ports
   std::mutex mutex_;
   GuidPrefix bench_{};
   Probe probe_;

@@ -66,7 +66,7 @@ class ClosedBench : public testing::Test {
  protected:
   void serve(const std::string& words = "") { service_.emplace(service_material_, words); }
 
-  /// Runs the tool as that member. It waits long for a bench, because authentication is slow on a
+  /// Runs the tool as this member. It waits long for a bench, because authentication is slow on a
   /// busy machine.
   static Finished as(const fs::path& member, const std::string& words) {
     return tool(words + " --timeout 20 --security " + member.string());
@@ -267,7 +267,7 @@ TEST_F(ClosedBench, IsSearchedForFiveSeconds) {
 // The clock of the service is two days ahead, so a certificate of one day has expired for the
 // service but not for the client.
 TEST_F(ClosedBench, RefusesAnExpiredCertificate) {
-  // Preloaded as the faketime wrapper does; the wrapper itself would not pass on signals.
+  // Preloaded as by the faketime wrapper, which would not pass on signals.
   const std::string library = shell("ls /usr/lib/*/faketime/libfaketime.so.1").text;
   if (!library.starts_with("/usr/lib")) GTEST_SKIP() << "faketime is not installed";
   const fs::path expired = authority_.member("controller yesterday --days 1");

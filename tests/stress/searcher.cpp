@@ -32,7 +32,7 @@ bool is_input_closed() {
   return poll(&input, 1, 0) > 0;
 }
 
-/// Every second search is by name, which ends differently.
+/// Searches for all benches and reads by address, or finds the axis by name, in turn.
 void search_and_read(const client::SessionOptions& options, const std::vector<std::uint32_t>& there,
                      std::uint64_t number) {
   client::Session session(options);

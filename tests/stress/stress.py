@@ -35,7 +35,7 @@ FEWEST = 50  # searches; fewer prove nothing
 
 
 def threads_of(pid):
-    """The state of each thread and where the kernel has it, such as "S futex_wait_queue"."""
+    """The state of each thread and the kernel function in which it waits, such as "S futex_wait_queue"."""
     found = []
     for task in pathlib.Path(f"/proc/{pid}/task").glob("*"):
         with contextlib.suppress(OSError):
@@ -112,8 +112,8 @@ class Stress:
         self.report(f"{' '.join(map(str, process.args))} ended by {benches.how_it_ended(process)}")
 
     def kill_late(self, process, told, patience):
-        """A program that was told to end at `told` and did not. How long the machine ran meanwhile is known
-        at the end of the run: the kernel reports a standstill late."""
+        """Kills a program that was told to end at `told` and did not. How long the machine ran in that time
+        is known only at the end of the run, because the kernel reports a standstill late."""
         what = f"{' '.join(map(str, process.args))}, its threads: {threads_of(process.pid)}"
         killed = now()
         process.kill()
@@ -236,7 +236,7 @@ class Stress:
         return seconds >= self.options.seconds
 
     def end_early(self):
-        """The figures so far are shown."""
+        """Ends the run, which shows its figures so far."""
         self.report("ended by SIGTERM")
         self.ends.set()
 

@@ -17,7 +17,7 @@
 namespace vdrive::test {
 namespace {
 
-/// Replaces a standard stream by a file in memory for the lifetime of the object.
+/// Redirects a standard stream to a file in memory for the lifetime of the object.
 class StreamInMemory {
  public:
   StreamInMemory(int stream, const std::string& content)
@@ -52,7 +52,7 @@ class StreamInMemory {
   int memory_;
 };
 
-/// Standard input from memory; can be read again after an earlier end of file.
+/// Standard input from memory. An end of file that was reached earlier is forgotten.
 class InputInMemory {
  public:
   explicit InputInMemory(const std::string& content) : stream_(STDIN_FILENO, content) { rewind(); }
@@ -72,8 +72,7 @@ class InputInMemory {
   StreamInMemory stream_;
 };
 
-/// Restores the signal mask: the tool blocks signals in its process, which here is the process of
-/// the tests.
+/// Restores the signal mask: called in this process, the tool also blocks signals for the tests.
 class SignalsKept {
  public:
   SignalsKept() { pthread_sigmask(SIG_BLOCK, nullptr, &mask_); }

@@ -11,7 +11,7 @@ namespace vdrive::test {
 
 /// Calls the tool for the benches of BenchOnWire: either in this process, with its standard streams
 /// in memory, or as a program over DDS.
-/// @param words the command line, split at blanks
+/// @param words the command line, split at spaces
 [[nodiscard]] Finished call(const std::string& words, const std::string& input = "");
 
 /// The same with arguments that are not split.

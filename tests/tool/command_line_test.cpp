@@ -163,7 +163,7 @@ TEST(CommandLine, SuggestsACommandAndADisturbance) {
               testing::EndsWith("'lcal' must be one of local, dds (did you mean 'local'?)"));
 }
 
-// CLI11 takes an empty value for a missing one.
+// CLI11 treats an empty value as a missing one.
 TEST(CommandLine, RefusesAnEmptyValue) {
   EXPECT_EQ(refusal_of({"--security", "", "list"}), "--security: the value is empty");
   EXPECT_THAT(refusal_of({"--domain", "", "list"}), testing::StartsWith("--domain: "));
@@ -351,7 +351,7 @@ TEST(Recording, QuotesACsvFieldWhereNeeded) {
   EXPECT_EQ(recording::csv_field("the \"lift\""), "\"the \"\"lift\"\"\"");
 }
 
-// Covers new rows without a test of their own.
+// Covers new rows that have no other test yet.
 TEST(CommandTable, EachExampleIsReadAsItsCommand) {
   ASSERT_GT(commands().size(), 30U);
   for (const CommandRow* const row : commands()) {

@@ -30,7 +30,7 @@ HostReadings healthy() {
           .may_run_realtime = true};
 }
 
-/// The findings about a subject that are not good.
+/// @return the findings that are not good, each of which must give advice.
 std::vector<Finding> complaints(const HostReadings& readings, const GlobalOptions& options = {}) {
   std::vector<Finding> findings = check_host(readings, options);
   std::erase_if(findings, [](const Finding& finding) {

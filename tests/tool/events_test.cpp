@@ -32,7 +32,7 @@ class Events : public testing::Test {
   BenchOnWire bench_{"--clock lockstep"};
 };
 
-// 2310h: continuous over current.
+// 2310h: continuous over-current.
 TEST_F(Events, AreShownFromTheHistoryOfTheBench) {
   const Finished finished = call("events");
   EXPECT_EQ(finished.code, 0) << finished.errors;
@@ -169,7 +169,7 @@ TEST_F(HealthyBench, RefusesNothingOfAnyCommandOfTheTool) {
   (void)call_all({"step 10", "step 10 --steppers 1"});
   for (const tool::CommandRow* const row : tool::commands()) {
     const std::string name(row->info.name);
-    // test, bench and demo start benches of their own; doctor reads the network
+    // test, bench and demo start their own benches; doctor reads the network
     // (tool_processes_test); judge reads a log (tool_judge_test).
     const bool is_elsewhere =
         name == "test" || name == "bench" || name == "demo" || name == "doctor" || name == "judge";

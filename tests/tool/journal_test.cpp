@@ -56,7 +56,7 @@ void expect_it_replays(const JournalName& journal, const std::string& text, int 
   }
 }
 
-// Under any name: another path, a symbolic link, a hard link.
+// Under any of its names: the path, a symbolic link, a hard link.
 TEST(Journal, ThatAServiceWritesIsRefusedToAnother) {
   const JournalName journal;
   const std::string linked = journal.text() + ".link";
@@ -113,7 +113,7 @@ TEST_P(JournalOfAClock, RecordsAndReplays) {
   RunningService service("--axes 20 --clock " + GetParam() + journal.flag());
   use();
   service.stop();
-  // In this time, a freerun bench has run a million ticks or more. On a busy machine, replaying
+  // By now, a freerun bench has run a million ticks or more. On a busy machine, replaying
   // them with threads that synchronise in each tick would take minutes.
   if (GetParam() == "freerun") {
     expect_it_replays(journal, " ticks of 20 axes, ", 0, {"1"});

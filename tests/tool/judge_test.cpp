@@ -121,7 +121,7 @@ TEST_F(JudgeCommandTest, HasAnExitCodeForALogThatCannotBeRead) {
   }
 }
 
-TEST_F(JudgeCommandTest, SaysThatAFolderIsNoLog) {
+TEST_F(JudgeCommandTest, RefusesAFolder) {
   const Finished done = judge({directory.path().string()});
   EXPECT_EQ(done.code, 7);
   EXPECT_THAT(done.errors, HasSubstr("Is a directory"));

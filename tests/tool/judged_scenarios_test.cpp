@@ -65,7 +65,7 @@ TEST_F(JudgedScenarios, PassWithAnExceptionThatHasAReason) {
   EXPECT_THAT(done.errors, Not(HasSubstr("covers")));
 }
 
-TEST_F(JudgedScenarios, TellAnExceptionThatCoversNothingAndRefuseOneThatIsNone) {
+TEST_F(JudgedScenarios, ReportAnUnusedExceptionAndRefuseAnInvalidOne) {
   add("unused", "# judge: off handshake-2 on 1.1 because nobody does it\n" + std::string(kRight));
   Finished done = judge();
   EXPECT_EQ(done.code, 0) << done.errors;

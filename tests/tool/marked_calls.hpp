@@ -20,7 +20,7 @@
 
 namespace vdrive::test {
 
-/// Calls of the tool with files of their own. An environment variable marks the processes of a
+/// Calls of the tool with separate files. An environment variable marks the processes of a
 /// call, including those it starts.
 class MarkedCalls : public testing::Test {
  protected:

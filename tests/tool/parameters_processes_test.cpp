@@ -34,7 +34,7 @@ class StoredParameters : public testing::Test {
     return directory.path() / ("bench-1.parameters" + suffix);
   }
 
-  /// @return when the file and its successor under construction were written.
+  /// @return the write times of the file and of the `.new` file that will replace it.
   [[nodiscard]] std::array<fs::file_time_type, 2> stamps() const {
     std::error_code none;
     return {fs::last_write_time(file(), none), fs::last_write_time(file(".new"), none)};
@@ -134,7 +134,7 @@ TEST_F(StoredParameters, SurviveAKillOfTheServiceDuringASave) {
     expect_done("write 1.1 profile_velocity " + std::to_string(round));
     const auto before = stamps();
     Process store(VDRIVE_TOOL, tool_arguments("store 1.1 --timeout 2"));
-    // As soon as a file changes, which is in the middle of the save.
+    // Kills the service as soon as a file changes, in the middle of the save.
     const auto deadline = std::chrono::steady_clock::now() + std::chrono::seconds(20);
     while (stamps() == before && std::chrono::steady_clock::now() < deadline) {
     }

@@ -72,8 +72,8 @@ std::string line_of(int file, std::string& ahead) {
   return line;
 }
 
-/// Reports a program that crashed, since its test may not check its exit status and would only miss
-/// a deadline. tests/checks/failures.py reads this mark.
+/// Reports a crash: a test that does not check the exit status of the program would only miss a
+/// deadline. tests/checks/failures.py looks for this line.
 void report_crash(const std::string& program, int status) {
   constexpr std::array kCrashes{SIGILL, SIGABRT, SIGBUS, SIGFPE, SIGSEGV};
   if (!WIFSIGNALED(status) || std::ranges::count(kCrashes, WTERMSIG(status)) == 0) return;

@@ -48,7 +48,7 @@ class Process {
   /// Closes the reading end of its output, so that its writes fail.
   void stop_reading();
 
-  /// Waits at most 120 s for the end, then kills it.
+  /// Waits for the end; kills the program after 120 s without output.
   Finished wait();
 
  private:
@@ -62,7 +62,7 @@ class Process {
 };
 
 /// Runs the tool on the domain of this test.
-/// @param words the command line, split at blanks
+/// @param words the command line, split at spaces
 [[nodiscard]] Finished tool(const std::string& words, const std::string& input = "");
 
 /// The same with arguments that are not split.
@@ -75,7 +75,7 @@ class Process {
 class RunningService {
  public:
   /// @param words command line without the domain, such as "--clock lockstep". Without --log-level
-  ///         it logs nothing; with it, it must not log more than a pipe holds.
+  ///         it logs nothing; otherwise it must not log more than a pipe holds.
   explicit RunningService(const std::string& words);
   ~RunningService();
   RunningService(const RunningService&) = delete;

@@ -217,7 +217,7 @@ TEST(Recorder, WaitsForASilentBenchAndCountsMissingSamples) {
   EXPECT_THAT(awaited_line(recorder, "sends nothing"),
               HasSubstr("bench 1 sends nothing: waiting 60 s for it"));
   service.thaw();
-  // The recorder reports the next sample; the tool can step the service only once it is back.
+  // The tool can step the service only once it runs again; the recorder then reports a sample.
   ASSERT_EQ(tool("step 3 --timeout 20").code, 0);
   EXPECT_THAT(awaited_line(recorder, "sends again"), HasSubstr("bench 1 sends again"));
   recorder.send(SIGINT);
@@ -254,10 +254,10 @@ std::vector<std::uint64_t> wait_for_rows(const std::string& csv, std::size_t row
   return ticks;
 }
 
-/// Freezes the service until the recorder reports it silent, and for 1.5 s at least, since on a
-/// busy machine the recorder may have reported it earlier. The tick number then jumps over that
-/// time. The recording must be long enough not to end before: with seven other tests running, a
-/// search takes up to a second.
+/// Freezes the service until the recorder reports its silence, and for at least 1.5 s, because on a
+/// busy machine the recorder may have reported a silence before. Afterwards the tick number jumps
+/// over that time. The recording must not end earlier: with seven other tests running, a search
+/// takes up to a second.
 void let_the_tick_jump(const RunningService& service, Process& recorder, const std::string& file) {
   // Without a sample, a recorder fails instead of waiting for the bench.
   ASSERT_FALSE(wait_for_rows(file, 0).empty());
@@ -269,7 +269,7 @@ void let_the_tick_jump(const RunningService& service, Process& recorder, const s
   service.thaw();
 }
 
-// The service is frozen for 1.5 s of these 3 s; the recorder adds them at the end.
+// The service is frozen for 1.5 s of these 3 s, so the recorder continues for 1.5 s longer.
 TEST(Recorder, LastsItsDriveTimeAcrossAJumpOfTheTickNumberAndNamesIt) {
   const RunningService service("--axes 1");
   const TemporaryDirectory directory;
@@ -292,7 +292,7 @@ TEST(Recorder, LastsItsDriveTimeAcrossAJumpOfTheTickNumberAndNamesIt) {
 }
 
 // Samples that arrive after the pause may have been sent before the jump. The recording therefore
-// continues until it has one from after the jump; it has no end of its own that might be earlier.
+// continues until it has one from after the jump; it has no --for that might end it earlier.
 TEST(Recorder, SaysInItsLastLineWhatAJumpSkipped) {
   const RunningService service("--axes 1");
   const TemporaryDirectory directory;

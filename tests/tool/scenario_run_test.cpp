@@ -262,8 +262,7 @@ std::string tick_of_last_fault() {
   return tick;
 }
 
-// 4310h disables the axis immediately. It is at rest, and after 100 ms the condition can no longer
-// come true.
+// 4310h disables the axis immediately. After 100 ms at rest, the condition can no longer come true.
 TEST_F(WaitAndExpect, EndAtOnceOnAnAxisThatStaysInFault) {
   ASSERT_EQ(call("enable 1.1").code, 0);
   ASSERT_EQ(call("disturb 1.1 over_temperature").code, 0);

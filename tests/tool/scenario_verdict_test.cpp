@@ -41,8 +41,8 @@ TEST(ScenarioVerdict, HasACaseForEachLineWithItsTime) {
   EXPECT_FALSE(sut.suite.cases[1].is_skipped);
 }
 
-// For example a pipe, which is empty by the time the process of the file reads it.
-TEST(ScenarioVerdict, OfAFileWhoseLinesWereNotAllCarriedOutIsNoPass) {
+// For example a pipe, which is empty when the process that runs the file reads it.
+TEST(ScenarioVerdict, FailsAFileWhoseLinesDidNotAllRun) {
   for (const std::string output : {R"({"line":2,"outcome":"ok"})", ""}) {
     const ScenarioVerdict sut =
         verdict_of(scenario_of_two_lines(), {.code = 0, .output = output, .errors = ""});
@@ -152,7 +152,7 @@ TEST(ScenarioVerdict, HasACaseForACrashAfterTheFirstLine) {
   EXPECT_EQ(sut.suite.cases[2].error, "ended by signal 11");
 }
 
-TEST(ScenarioVerdict, HasACaseForAFailureThatIsNoneOfALine) {
+TEST(ScenarioVerdict, HasACaseForAFailureOutsideAnyLine) {
   const ScenarioVerdict sut =
       verdict_of(scenario_of_two_lines(), {.code = 1,
                                            .output = R"({"line":2,"outcome":"ok"})"

@@ -112,7 +112,7 @@ TEST_F(Shards, OfAFolderThatAClusterMountsHaveEachFileOnce) {
                                      HasSubstr("shard 1 of 5: 1 of 1 file passed")));
 }
 
-// A variable that only the file of another shard has is not a typing error.
+// A variable that only occurs in the file of another shard is not a typo.
 TEST_F(Shards, KnowTheVariablesOfTheFilesOfOthers) {
   add("b", "let axis = 9.9\nexpect ${axis} position 0\n");
   EXPECT_EQ(run(1, 5, {"--set", "axis=1.1"}).code, 0);
@@ -120,7 +120,7 @@ TEST_F(Shards, KnowTheVariablesOfTheFilesOfOthers) {
   EXPECT_EQ(run(1, 5, {"--set", "axes=1.1"}).code, 2);
 }
 
-TEST_F(Shards, WithoutAReportAreNamedAndWantToBeRepeated) {
+TEST_F(Shards, WithoutAReportAreNamedAndMustBeRepeated) {
   ASSERT_EQ(run(1, 4).code, 0);  // a, e; c is in shard 3
   std::ofstream(of_shard(2)) << "";
   std::ofstream(of_shard(4)) << text_of(of_shard(1)).substr(0, 300);
@@ -154,9 +154,9 @@ TEST_F(Shards, ThatWereInterruptedHaveFilesThatWereNotRun) {
   EXPECT_EQ(finished.output, "2 of 2 shards: 2 of 4 files passed\n");
 }
 
-TEST_F(Shards, WhoseReportsAreNotOfOneRunAreRefused) {
+TEST_F(Shards, WhoseReportsAreFromDifferentRunsAreRefused) {
   run_all(2);
-  ASSERT_EQ(run(3, 3).code, 1);  // c
+  ASSERT_EQ(run(3, 3).code, 1);  // has c, which fails
   EXPECT_THAT(merge().errors,
               AllOf(HasSubstr("3.xml: belongs to shard 3 of 3, "),
                     HasSubstr("1.xml to shard 1 of 2: they are from different runs\n")));
@@ -179,7 +179,7 @@ TEST_F(Shards, WhoseReportsAreNotOfOneRunAreRefused) {
   EXPECT_THAT(merged(), HasSubstr("errors=\"1\""));
 }
 
-TEST_F(Shards, AreMergedWhereTheMergedReportIsAmongTheirs) {
+TEST_F(Shards, IgnoreAnEarlierMergedReport) {
   run_all(2);
   const std::string output = reports() / "all.xml";
   for (int i = 0; i < 2; ++i) {
@@ -193,7 +193,7 @@ TEST_F(Shards, AreMergedWhereTheMergedReportIsAmongTheirs) {
   EXPECT_THAT(same.errors, HasSubstr("all.xml' is one of the reports to merge"));
 }
 
-TEST_F(Shards, AreNotMergedOfWhatIsNone) {
+TEST_F(Shards, RefuseToMergeFilesThatAreNoReports) {
   EXPECT_THAT(merge({tests().string()}).errors, HasSubstr("tests' has no report, *.xml"));
   EXPECT_THAT(merge({"/nonexistent.xml"}).errors, HasSubstr("no report '/nonexistent.xml'"));
   ASSERT_EQ(start("test", {(tests() / "a.scn").string(), "--junit", tests() / "a.xml"}).wait().code,
@@ -207,7 +207,7 @@ TEST_F(Shards, AreNotMergedOfWhatIsNone) {
 }
 
 // A failed test fails again; resources missing on one machine may be available the next time.
-TEST_F(Shards, TellAFailedTestFromAMachineThatDoesNotRunIt) {
+TEST_F(Shards, DistinguishAFailedTestFromAMachineThatDoesNotRunIt) {
   const std::string good = (tests() / "a.scn").string();
   const std::string bad = (tests() / "c.scn").string();
   const Finished full = start("test", {good, "--junit", "/dev/full"}).wait();

@@ -190,14 +190,14 @@ TEST(Junit, IsReadAsItWasWritten) {
   EXPECT_EQ(junit_xml(content.suites, content.shard), xml);
 }
 
-TEST(Junit, WithoutAShardOrWithOneThatCannotBeIsOfNone) {
+TEST(Junit, WithoutAValidShardHasNone) {
   EXPECT_FALSE(read_junit(junit_xml({})).shard);
   EXPECT_TRUE(read_junit(junit_xml({}, Shard{.number = 3, .count = 3})).shard);
   EXPECT_FALSE(read_junit(junit_xml({}, Shard{.number = 4, .count = 3})).shard);
   EXPECT_FALSE(read_junit(junit_xml({}, Shard{.number = 1, .count = 100'001})).shard);
 }
 
-TEST(Junit, CutAnywhereIsNamedSo) {
+TEST(Junit, TruncatedAnywhereIsReportedAsTruncated) {
   const std::string xml = whole_report();
   for (std::size_t size = 1; size + 1 < xml.size(); ++size) {
     EXPECT_NE(mistake_of_report(xml.substr(0, size)), kAccepted) << size;

@@ -233,7 +233,7 @@ TEST_F(MoveOfAnotherProgram, IsTakenOverByAMove) {
 
 // timeout(1) signals its program and then the process group; on a closed terminal, both the shell
 // and the kernel send a signal.
-TEST_F(MoveOfAnotherProgram, TakesSignalsThatComeTogetherForOne) {
+TEST_F(MoveOfAnotherProgram, TreatsSimultaneousSignalsAsOne) {
   begin("--stop-on-interrupt");
   move_->send(SIGTERM);
   move_->send(SIGHUP);
@@ -270,7 +270,7 @@ struct WaitingCommand {
   const char* under_way;  ///< a condition of `wait`
 };
 
-// Commands without a motion come first: they have begun once the others move.
+// Commands without a motion come first: they have begun by the time the others move.
 constexpr std::array kWaitingCommands{
     WaitingCommand{"1.1", "wait 1.1 position == 20000000", "velocity_demand_value == 0"},
     WaitingCommand{"1.1", "expect 1.1 position 20000000 --within 1h", "velocity_demand_value == 0"},
@@ -311,7 +311,7 @@ class CommandsThatWait : public testing::Test {
   std::vector<std::unique_ptr<Process>> programs_;
 };
 
-// About 1.6 s after the kill; a search for the lost bench would take as long as --timeout.
+// They end about 1.6 s after the kill; a search for the lost bench would last until --timeout.
 TEST_F(CommandsThatWait, AreToldOfAKilledServiceByItsSilence) {
   const auto killed = std::chrono::steady_clock::now();
   service_.kill();

@@ -149,8 +149,8 @@ TEST_F(ToolInLockStep, ARefusalExitsFiveWithItsCodeAndMeaning) {
   }
 }
 
-// The sub-indices of the manual's table; 60F2h has three option codes, 6098h 0 and the methods of
-// the drive.
+// The sub-indices are those of the manual's table. 60F2h accepts three option codes; 6098h accepts
+// 0 and the methods of the drive.
 TEST_F(ToolInLockStep, ARefusalListsTheSubIndicesAndTheValuesThatAreTaken) {
   EXPECT_THAT(call("read 1.1 0x607D:7").errors, HasSubstr("607Dh has sub-indices 1 and 2"));
   EXPECT_THAT(call("read 1.1 0x6041:7").errors, HasSubstr("6041h has only sub-index 0"));
@@ -377,7 +377,7 @@ TEST_F(Recording, LastsTheGivenDriveTime) {
     EXPECT_EQ(row["axis"], "1.2");
     ticks += ticks == 0 ? 1 : 1 + row["missed"].get<std::uint64_t>();
   }
-  // Ends with the last tick before 50 ms have passed; samples lost at the very end are not counted.
+  // The last tick is within 50 ms of the first; samples lost at the very end are not counted.
   EXPECT_LE(ticks, 50U);
   EXPECT_GE(ticks, 40U);
 }

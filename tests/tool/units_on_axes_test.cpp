@@ -90,12 +90,12 @@ struct MeasuredObject {
 
   [[nodiscard]] std::string name() const { return std::string(describe(row).variable_name); }
 
-  /// @return such as "12mm/s2".
+  /// @return a typed value, such as "12mm/s2".
   [[nodiscard]] std::string in(const std::string& number, const std::string& unit) const {
     return number + unit + std::string(unit_ending(dimension));
   }
 
-  /// @return such as "12000 UU/s2 (12.000 mm/s2)".
+  /// @return the value in a message, such as "12000 UU/s2 (12.000 mm/s2)".
   [[nodiscard]] std::string told(const std::string& user_units, const std::string& shown) const {
     const std::string ending(unit_ending(dimension));
     return user_units + " UU" + ending + " (" + shown + ending + ")";

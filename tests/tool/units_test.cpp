@@ -73,7 +73,7 @@ TEST(Quantity, IsRoundedToTheNearestUserUnit) {
   EXPECT_EQ(position("-0.044deg", kTurning), -1);
 }
 
-// 6081h = 12.5 used to become 13 silently.
+// Rounded, 12.5 would silently become 13 in 6081h.
 TEST(Quantity, OfAFractionOfAUserUnitIsRefused) {
   for (const char* const text : {"1.5", "-0.5", "1.6UU", "1e-3"}) {
     EXPECT_THAT(refusal_of_quantity([&] {

@@ -25,7 +25,7 @@ class Attacker {
   Attacker(const Attacker&) = delete;
   Attacker& operator=(const Attacker&) = delete;
 
-  /// @param port counted from the first port of the domain: 10 metatraffic and 11 data of
+  /// @param port counted from the first port of the domain: 10 is for metatraffic, 11 for data of
   ///        participant 0
   void send(const Datagram& datagram, std::uint32_t port) const {
     sockaddr_in address{};
@@ -46,7 +46,7 @@ class Attacker {
   int socket_;
 };
 
-/// Ends an unguarded Fast DDS participant by an assertion.
+/// Makes an unguarded Fast DDS participant abort with a failed assertion.
 inline Datagram statistics_with_more_behind(const GuidPrefix& sender) {
   Datagram datagram = DatagramWriter(sender).add(0x80, 1, Datagram(56)).bytes();
   datagram.resize(datagram.size() + 4);

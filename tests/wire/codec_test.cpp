@@ -213,7 +213,7 @@ TEST(CommandDecoder, ReadsMessagesOfBothByteOrders) {
   CommandDecoder decoder;
   msg::CommandFrame frame;
   msg::Request request;
-  // Alternately larger and smaller, because a reading must not depend on the previous one.
+  // Alternately larger and smaller: decoding must not depend on the previous message.
   for (const std::size_t size : {0U, 256U, 1U, 40U, 3U}) {
     const auto sent = make_frame(size, 3);
     EXPECT_EQ(decoder.decode(encoded(sent), frame), Decoding::good);

@@ -476,7 +476,7 @@ TEST(Announcement, OfADepartureNamesTheParticipant) {
   EXPECT_EQ(leaving->participant, kSender);
 }
 
-// Cyclone DDS gives the key in the content, which the library does not read.
+// Cyclone DDS sends the key in the content, where Fast DDS does not look for it.
 TEST(Announcement, OfADepartureCanHaveItsKeyInTheContent) {
   Body body = data_to(test::kParticipantsReader, test::kParticipantsWriter, 2);
   body.parameter(0x71, {0, 0, 0, 3}).u32(1);

@@ -117,7 +117,7 @@ Datagram handshake_with(const Body& its_token) {
   return handshake_of(Body().u32(1).raw(its_token.bytes()).bytes());
 }
 
-/// Replaces the first number that equals `from` by `to`.
+/// Replaces the first number that equals `from` with `to`.
 Datagram with_number(Datagram datagram, std::uint32_t from, std::uint32_t to) {
   const Datagram old_bytes = Body().u32(from).bytes();
   const Datagram new_bytes = Body().u32(to).bytes();

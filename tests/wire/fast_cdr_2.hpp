@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The code that fastddsgen 2 and Fast CDR 1, those of Fast DDS 2, generate from our IDL.
+// The code generated from our IDL with Fast DDS 2: by fastddsgen 2, for Fast CDR 1.
 #pragma once
 
 #include "fast_ros_messages.h"

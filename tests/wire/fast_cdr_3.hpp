@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The code that fastddsgen 4 and Fast CDR 2, those of Fast DDS 3, generate from our IDL.
+// The code generated from our IDL with Fast DDS 3: by fastddsgen 4, for Fast CDR 2.
 #pragma once
 
 #include "fast_ros_messagesCdrAux.ipp"
@@ -80,7 +80,7 @@ bool has_key_by_fast_dds() {
   return kSizesOfFastDds<FastMessage>.key != 0;
 }
 
-/// If there is no key, the generator makes one of all members.
+/// For a type without a key, the generator makes one from all members.
 template <typename FastMessage>
 void write_key_by_fast_dds(Cdr& cdr, const FastMessage& message) {
   if (has_key_by_fast_dds<FastMessage>()) eprosima::fastcdr::serialize_key(cdr, message);

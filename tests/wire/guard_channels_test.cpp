@@ -30,7 +30,8 @@ Datagram of_the_participant() {
       .bytes();
 }
 
-/// Announces the endpoint writers of the sender. The library reads it only if it knows the sender.
+/// A heartbeat of the writer that announces the sender's writers. The library reads it only if it
+/// knows the sender.
 Datagram of_its_writers() {
   Body body;
   body.entity(test::kPublicationsReader).entity(test::kPublicationsWriter);

@@ -294,7 +294,7 @@ TEST(AnnouncedEnd, RemovesADeadParticipantEverywhereAtOnce) {
   EXPECT_LT(Clock::now() - begin, 1s);
 }
 
-// Each takes one of the 256 places that a participant has for others until it is classified.
+// Each client takes one of the participant's 256 places for others until it is classified.
 TEST(AParticipant, ServesTheNextClientAfterAThousandKilledOnes) {
   const int deaths = test::number_of<int>({.usual = 60, .full = 60, .nightly = 1'000});
   Requester requester(settings(Role::service));
@@ -434,7 +434,7 @@ TEST(GuardSink, ReceivesReasonAndSender) {
 
 // ---- mutations of real datagrams ----------------------------------------------------------------
 
-/// Recorded datagrams of participants, with these prefixes for the sender and the receiver.
+/// The prefixes of sender and receiver in the recorded datagrams.
 constexpr GuidPrefix kKeptSender{1, 15, 'A', 'A', 'A', 'A', 'A', 'A', 'A', 'A', 'A', 'A'};
 constexpr GuidPrefix kKeptReceiver{1, 15, 'B', 'B', 'B', 'B', 'B', 'B', 'B', 'B', 'B', 'B'};
 
@@ -574,8 +574,8 @@ TEST(GuardedParticipant, SurvivesMutatedDatagrams) {
   ASSERT_TRUE(known.is_answered());
   Mutator mutator(1, kept_datagrams(known.participant->source().participant, visitor.prefix()));
   const Attacker attacker;
-  // The sockets hold some hundred datagrams, so a short pause lets the visitor read them. It prints
-  // at the end how many it has read; a full socket drops the others.
+  // Short pauses let the visitor read its sockets, which drop datagrams when they are full. At the
+  // end it prints how many it has read.
   for (std::uint64_t number = 0; number < count; ++number) {
     attacker.send(mutator.next(), number % 3 == 0 ? 11 : 10);
     if (number % 64 == 0) std::this_thread::sleep_for(1ms);

@@ -148,7 +148,7 @@ TEST(Addresses, TellInterfacesFromOtherWords) {
   for (const char* const name : {"10.0.0.1", "eth0", "lo", "enp3s0.100", "eth0:1"}) {
     EXPECT_TRUE(is_interface(name)) << name;
   }
-  for (const char* const word : {"", "10.0.0", "a b", "an_interface_name"}) {  // 16 are too many
+  for (const char* const word : {"", "10.0.0", "a b", "an_interface_name"}) {  // over 15 letters
     EXPECT_FALSE(is_interface(word)) << word;
   }
 }

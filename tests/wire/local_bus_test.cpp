@@ -85,7 +85,7 @@ TEST_F(LocalBusTest, MatchesAtOnceAndNoMoreAfterTheEnd) {
   EXPECT_THAT(seen, ElementsAre(1, 0));
 }
 
-/// The bus keeps 1,024 events of each bench, and the newest description of each part.
+// 1,024 events of each bench; no state, whose topic is volatile.
 TEST_F(LocalBusTest, KeepsForLaterSubscriptionsWhatTheTopicKeeps) {
   const auto sender = join("sender");
   Publication<msg::Event> events(*sender);

@@ -54,7 +54,7 @@ TEST_F(AReturnedServer, IsHeldBackUntilTheFormerOneIsRemoved) {
   EXPECT_FALSE(holds_back(heartbeat_of(kServer, 40)));
   wait();
   EXPECT_TRUE(holds_back(heartbeat_of(kServer, 2)));
-  EXPECT_TRUE(holds_back(heartbeat_of(kServer, 41)));  // all of it, whatever its count is now
+  EXPECT_TRUE(holds_back(heartbeat_of(kServer, 41)));  // all its heartbeats, whatever their counts
   servers.removed(kServer);
   EXPECT_FALSE(holds_back(heartbeat_of(kServer, 42)));
 }

@@ -59,7 +59,7 @@ TEST_F(ASilentReader, IsAcknowledgedForWhenItOwesAnAnswerForTooLong) {
   ASSERT_THAT(due, SizeIs(1));
   EXPECT_EQ(due[0].channel, 7);
   EXPECT_EQ(check_datagram(due[0].datagram, Mode::open).refusal, Refusal::none);
-  // As the reader would have written it: all up to 9, and a count that follows its last one, 1.
+  // As the reader would have written it: all up to 9 arrived, and the count after its last one, 1.
   test::Body words;
   words.entity(kUserReader).entity(kUserWriter).sequence(10).u32(0).u32(2);
   EXPECT_EQ(due[0].datagram, test::DatagramWriter(kSender).add(0x06, 3, words.bytes()).bytes());

@@ -288,7 +288,7 @@ TEST(Subscription, ReceivesMessagesAboveTheSizeOfADatagram) {
   Subscription<msg::CommandFrame> subscription(*receiver, received.handler());
   ASSERT_TRUE(publication.wait_for_matched(1, kPatience));
   ASSERT_TRUE(subscription.wait_for_matched(1, kPatience));
-  msg::CommandFrame frame;  // 256 axes with 8 objects each, 42 kB: the longest possible message
+  msg::CommandFrame frame;  // 256 axes with 8 objects each, 41 kB: the longest possible message
   frame.axes.resize(msg::MAX_AXES_PER_FRAME);
   for (auto& axis : frame.axes) axis.objects.resize(msg::MAX_OBJECTS_PER_AXIS);
   ASSERT_TRUE(publication.write(frame));

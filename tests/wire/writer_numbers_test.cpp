@@ -49,7 +49,7 @@ Part gap(std::int64_t start, std::int64_t base) {
   return {0x08, test::gap(kReader, kWriter, start, base)};
 }
 
-/// @return a GAP that consists of its bit set, the last bit of which is `last`.
+/// @return a GAP of only a bit set, the last bit of which is `last`.
 Part set_up_to(std::int64_t last) {
   Body body;
   body.entity(kReader).entity(kWriter).sequence(last - 31).sequence(last - 31).u32(32).u32(~0U);
@@ -199,7 +199,7 @@ TEST(SkippedNumbers, AreLimitedInASecond) {
     first += kReach;
     ++accepted;
   }
-  // The limit of four times the reach is checked before each skip.
+  // The limit of four times the reach is checked before each skip, so the fifth still passes.
   EXPECT_EQ(accepted, 5);
   EXPECT_EQ(numbers.refusal_of(heartbeat(first + kReach, first + kReach - 1)), Refusal::range);
   EXPECT_EQ(numbers.refusal_of(heartbeat(first + kReach, first + kReach - 1), 1s), Refusal::none);
@@ -319,7 +319,7 @@ TEST(WriterThatIsHeardLate, MayBeginWithAGapBeforeItsHeartbeat) {
             of({gap(5, 7), heartbeat(1, 7)}));
 }
 
-// The library has already read its data with their own numbers, so it can only start over.
+// The library has already read data with the original numbers, so it must find the sender again.
 TEST(WriterThatIsHeardLate, WithoutItsFirstHeartbeatIsBegunAgain) {
   Numbers numbers;
   EXPECT_EQ(numbers.read({data(kLate)}), of({data(kLate)}));
