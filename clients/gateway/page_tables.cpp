@@ -113,7 +113,8 @@ unsigned count_of(const TransitionSet& taken, unsigned& number) {
   return count;
 }
 
-/// The transitions that a single event causes alone, found by visiting every state.
+/// The transitions that occur alone: in some state, some event causes no other. Found by visiting
+/// every state.
 std::set<Transition> transitions() {
   // Option codes for which quick stop active can be left by enabling, and no transition waits for a
   // ramp.

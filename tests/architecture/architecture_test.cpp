@@ -174,7 +174,8 @@ std::ptrdiff_t units_of(const std::set<std::string>& files) {
   });
 }
 
-/// @return the ten headers through which most units reach a header, with the number of units.
+/// @return the ten headers of `files` that the most compiled units include, directly or through
+///         others, with the number of units.
 std::string ways_to(const std::set<std::string>& files, const IncludeGraph& graph) {
   std::multimap<std::ptrdiff_t, std::string, std::greater<>> headers;
   for (const std::string& path : files) {

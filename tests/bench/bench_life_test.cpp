@@ -114,7 +114,7 @@ TEST(JoinedClocks, EndAStepAtItsDeadlineWhileAnotherThreadSteps) {
   auto other = std::async(std::launch::async, [&clock] {
     return clock->step(2, kLong).outcome();
   });
-  // The first of its two ticks has passed, so the other thread is inside its step.
+  // When the first of its two ticks has passed, the other thread is inside its step.
   ASSERT_TRUE(hold->step(1, kLong));
   const Outcome late = clock->step(1, milliseconds(100)).outcome();
   EXPECT_EQ(late.kind(), OutcomeKind::timed_out);
@@ -1081,7 +1081,8 @@ TEST(Bench, EndsAConditionThatIsSlowerThanItsTicksByAnInterrupt) {
   EXPECT_EQ(calls, 3);
 }
 
-// The bench ends while the jog starts, in each round one observation of another session later.
+// The bench ends while the jog starts: in the first round when another session has seen the axis
+// enabled, in each further round one observation later.
 TEST(Bench, ThatEndsEndsAJogAtOnce) {
   for (int looks = 0; looks < 20; ++looks) {
     const auto jog = [](Session& session) {
@@ -1410,7 +1411,7 @@ TEST(Fork, LeavesTheLocksOfTheParentToTheParent) {
   waitpid(child, nullptr, 0);
 }
 
-// For example a process pool whose parent was killed.
+// The processes of a pool may outlive their parent when it is killed.
 TEST(Fork, GivesTheChildNoLockOfAParentThatWasKilled) {
   const test::TemporaryDirectory directory;
   const BenchOptions options{.state_directory = directory.path() / "state",

@@ -190,7 +190,7 @@ std::vector<unsigned long> waits_of_other_threads() {
 
 TEST(Bench, OfRealTimeThatNobodyWatchesWakesOneThreadInEveryTick) {
   const Bench bench({.clock = ClockMode::realtime});
-  // Its threads are those of the ticks, the status and the reports. If nobody reads, the last two
+  // The bench has threads for the ticks, the status and the reports. If nobody reads, the last two
   // wait for 5 ms, that is for five ticks.
   std::vector<unsigned long> before = waits_of_other_threads();
   EXPECT_TRUE(test::holds_soon([&before] {

@@ -183,8 +183,8 @@ class MotionProgram {
     text_ << ']';
   }
 
-  /// Waits until the axes are at rest: a move that the program has not waited for may have ended,
-  /// and then a line would start.
+  /// Waits until the axes are at rest. A move that the program has not waited for may or may not
+  /// have ended, so the program would not know whether a line is refused or starts.
   void rest() {
     for (std::size_t axis = 0; axis < axes_.size(); ++axis) {
       if (!known_[axis].moves || known_[axis].is_halted) continue;

@@ -336,7 +336,7 @@ void RandomProgram::send_burst() {
   send(0);
 }
 
-/// Some of them arrive too late.
+/// Some frames of the burst arrive too late.
 void RandomProgram::send_burst_ahead() {
   send(seen_.tick + below(20));
 }
@@ -557,8 +557,8 @@ void ProgrammedBench::cause_equal_events() {
   }
 }
 
-/// @return whether some of these events were left out. Then all earlier events are counted, because
-///         those that were left out are reported no later than these.
+/// @return whether some events of cause_equal_events() were left out. If so, all earlier
+///         events that were left out are counted, too: their number is reported no later.
 bool ProgrammedBench::is_left_out_after_wait() const {
   constexpr std::uint32_t kTaken = 1;
   const auto numbers_in = [&](const test::EventLog& log) {

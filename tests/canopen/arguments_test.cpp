@@ -130,7 +130,7 @@ TEST(CanopenArguments, NameOptionValueAndLimitOfAnError) {
               HasSubstr("--node-offset is given 2 times for 3 benches"));
 }
 
-// For example --sync-steps "$STEP" with an unset variable: the bus would run in real time.
+// With an unset variable, --sync-steps "$STEP" has an empty text: the bus would run in real time.
 TEST(CanopenArguments, RefuseAnEmptyText) {
   const std::string why = ": its value is empty";
   EXPECT_EQ(problem_of_arguments({.is_private = true, .sync_steps = ""}), "--sync-steps" + why);

@@ -182,8 +182,8 @@ TEST(AsciiGatewayServer, TakesNoCommandWhileTheBusIsHeld) {
   EXPECT_EQ(bench.port.frames, (Frames{data_frame(0x000, {1, 3}), data_frame(0x000, {2, 3})}));
 }
 
-// A boot-up, although reported to no client, makes the server run before it learns that the bus is
-// free.
+// The frame of a boot-up, which is reported to no client, makes the server run when the bus is
+// free, but before the turn that resume() posts. Then the bus is held again.
 TEST(AsciiGatewayServer, TakesWhatWaitedWhileTheBusWasHeldBeforeItCloses) {
   GatewayBench bench;
   const RecordedPort slow(bench.bus);

@@ -179,7 +179,7 @@ TEST(Bus, GivesAPortThatIsAttachedWithinADeliveryTheNextFrameFirst) {
   EXPECT_EQ(added->frames, Frames{kSecond});
 }
 
-// For example two nodes, each with the other's TPDO as its SYNC.
+// Two nodes answer each other endlessly if each has the other's TPDO as its SYNC.
 TEST(Bus, EndsPortsThatAnswerEachOtherAndCountsWhatItDrops) {
   Bus bus;
   ActingPort one([&](const Frame&) {

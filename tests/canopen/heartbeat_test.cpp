@@ -386,7 +386,7 @@ TEST(HeartbeatError, LastsUntilAllProducersAreBack) {
   EXPECT_THAT(watching.receive("70A#05", 300ms), ElementsAre("081#0000000000000000"));
 }
 
-// In the meantime another master may have reset the fault of the first loss and enabled the drive.
+// Between two losses another master may have reset the fault of the first and enabled the drive.
 TEST(HeartbeatError, IsASeparateLossForEachProducer) {
   WatchingNode watching;
   watching.receive("601#23161002F4010A00");  // node Ah, 500 ms

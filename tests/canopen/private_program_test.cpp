@@ -122,8 +122,9 @@ std::string log_of_a_disturbed_run(const std::filesystem::path& file) {
   return text_of(file);
 }
 
-// 8140h after bus-off, and 8130h as the enabled drive's reaction to it. The last of the 100 SYNCs
-// follows the six of the enabling words and 99 others: it is sent at 105 ms of drive time.
+// After bus-off node 1 sends 8140h, and 8130h as the reaction of its enabled drive. The last of the
+// 100 SYNCs follows the six of the enabling words and 99 others, so it is sent at 105 ms of drive
+// time.
 TEST(PrivateCanopenProgram, LogsTheSameFramesInEachDisturbedRun) {
   const TemporaryDirectory directory;
   const std::string log = log_of_a_disturbed_run(directory.path() / "first.log");
@@ -150,7 +151,8 @@ TEST(PrivateCanopenProgram, RefusesAFaultThatItCannotMake) {
   EXPECT_THAT(refused.errors, HasSubstr("a fault names node 3, but the bus has 2 nodes (1 to 2)"));
 }
 
-// 1017h of node 1: no frame of the node gets through, neither from the start nor after a command.
+// No frame of node 1 gets through, neither with a fault from the start nor with one by a command,
+// so reading its 1017h times out.
 TEST(PrivateCanopenProgram, DisturbsABusInRealTime) {
   const RunningCanopen program(std::vector<std::string>{
       "--private", "--axes", "2", "--gateway", "127.0.0.1:0", "--disturb", "1 lost for 1000s"});

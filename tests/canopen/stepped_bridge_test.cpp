@@ -160,8 +160,8 @@ TEST(SteppedBridge, LeavesTheLastWordBeforeSyncToADriveThatLooksSeldom) {
   EXPECT_GT(bus.read(1, {0x6062, 0}, true), 0);
 }
 
-// Habit f: since each pulse lasts 13 SYNC periods, the next one starts one period later in the loop
-// of 4. So the drive sees one word of four.
+// Habit f: the words last one SYNC period each and follow each other after 13 periods. So each
+// begins one period later within the loop of 4, and the drive sees one of four.
 TEST(SteppedBridge, LosesThreeOfFourWordsThatLastOneSyncOfALoopOfFour) {
   BusOfBench bus(1, 1ms);
   TestMaster& master = bus.master();
@@ -474,7 +474,8 @@ TEST(SteppedBridge, EndsWhileASyncWaitsForAnotherStepper) {
   const std::jthread ending([&bus] {
     bus.bridge().stop();
   });
-  // Each SYNC would wait a second, until the other stepper is removed from the clock.
+  // If the bridge did not end, each SYNC would wait a second, until the other stepper is removed
+  // from the clock.
   bus.sync(100);
   EXPECT_TRUE(bus.bridge().loop().stopped());
   EXPECT_EQ(tick_of(bus), begin);

@@ -3,8 +3,8 @@
 # Builds one of the checking presets: build_preset.sh asan|tsan|tidy|fuzz [TARGET]
 # TARGET: only this one, instead of everything that the check needs. For tidy the build is the
 # check: lint.sh checks the files that are not in linted.txt. tsan also builds the benchmarks, to
-# show that they compile, in 60 % of the time of the preset release, which is used to measure. Exit
-# code 77: tests/run.sh had no time for this preset.
+# show that they compile: this takes 60 % of the time that it takes in the preset release, which is
+# used to measure. Exit code 77: tests/run.sh had no time for this preset.
 set -euo pipefail
 
 root=$(cd "$(dirname "${BASH_SOURCE[0]}")/../.." && pwd)

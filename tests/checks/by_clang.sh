@@ -13,7 +13,7 @@ for argument in "$@"; do
   case $argument in
     "$gcc") command+=("$clang") ;;
     -fpch-preprocess | --param=* | -Wno-subobject-linkage) ;;
-    *.gch) # -include would read the old one instead of the header
+    *.gch) # -include would read the old precompiled header instead of the header
       rm -f "$argument"
       command+=("$argument") ;;
     *) command+=("$argument") ;;

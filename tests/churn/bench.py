@@ -176,7 +176,7 @@ class Bench:
     def account(self):
         """The engine's own count of its ticks. The difference between the tick number and the
         number of ticks run is constant as long as no tick is skipped. The two values are not
-        read at the same instant, and the number is read first, so the largest of several
+        read at the same instant, and the tick number is read first, so the largest of several
         differences is the true one."""
         readings = [self.metrics() for _ in range(5)]
         last = dict(readings[-1])

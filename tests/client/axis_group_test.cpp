@@ -721,7 +721,8 @@ TEST_F(LockStepGroup, RunsALineThatIsQueuedAfterAnyLine) {
   const auto position = [&random] {
     return static_cast<double>(random() % 100'000) - 50'000.0;
   };
-  write("1.2", kDeceleration, 1'000);  // below 0.5 UU/s for half a tick
+  // The speed is below 0.5 UU/s for the last half tick of a line, so 606Bh already shows 0.
+  write("1.2", kDeceleration, 1'000);
   // Over DDS a tick takes some twenty times as long.
   const int share = test::runs_over_dds() ? 20 : 1;
   const int pairs = test::number_of<int>({.usual = 60, .full = 600, .nightly = 6'000}) / share;

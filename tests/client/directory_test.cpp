@@ -78,7 +78,8 @@ TEST_F(DirectoryOnABus, ListsABenchFromItsDescriptionUntilItsSenderLeaves) {
   EXPECT_EQ(sut_.age({1, 10}, later), std::nullopt);
 }
 
-// Only the state has the rate. A session that finds a paused bench would assume that it runs.
+// Only the state has the rate. A session that did not wait for it would assume that a paused bench
+// runs.
 TEST_F(DirectoryOnABus, ListsABenchInRealTimeAfterItsState) {
   msg::BenchDescription in_real_time = description(1, 10);
   in_real_time.clock_mode = msg::ClockMode::realtime;

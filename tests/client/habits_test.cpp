@@ -114,7 +114,7 @@ TEST_F(DriveWithHabits, StopsAndEnablesAgainWhateverQuickStopActiveDoes) {
   }
 }
 
-// d: if 605Ah keeps the state.
+// d, with a 605Ah that keeps the drive in Quick stop active.
 TEST_F(DriveWithHabits, EnablesFromQuickStopActiveWithoutTransition16) {
   have("habit_transition_16", 2);
   ASSERT_TRUE(axis_.write({0x605A, 0}, 6));
@@ -168,7 +168,8 @@ TEST_F(DriveWithHabits, MovesHomesAndStopsADriveThatLooksOnceIn4Ms) {
   expect_enabled();
 }
 
-// f: the state shown from before the stop must not be taken for the one after it.
+// f: the drive still shows its state from before the stop, which must not be taken for the state
+// after it.
 TEST_F(DriveWithHabits, AQuickStopOfADriveThatLooksSeldomEndsAtStandstill) {
   have("habit_controlword_loop", 16);
   auto group = AxisGroup::create(session_, std::array{axis_, other_}).value();
@@ -184,7 +185,7 @@ TEST_F(DriveWithHabits, AQuickStopOfADriveThatLooksSeldomEndsAtStandstill) {
   }
 }
 
-// f: the axis would start up to 4 ms after the others.
+// f: in a group move this axis would start up to 4 ms after the others.
 TEST_F(DriveWithHabits, AGroupMoveOfADriveThatLooksOnceIn4MsIsRefused) {
   have("habit_controlword_loop", 4);
   auto group = AxisGroup::create(session_, std::array{axis_, other_}).value();
@@ -198,7 +199,7 @@ TEST_F(DriveWithHabits, AGroupMoveOfADriveThatLooksOnceIn4MsIsRefused) {
   EXPECT_EQ(other_.status().value().status.position_demand_value, 0) << "no axis has started";
 }
 
-// k: the axis would lose its speed and leave the line.
+// k: where a new line starts in motion, this axis would lose its speed and leave the line.
 TEST_F(DriveWithHabits, AGroupLineInMotionOfADriveThatPlansFromRestIsRefused) {
   have("habit_plan_from_rest", 1);
   auto group = AxisGroup::create(session_, std::array{axis_, other_}).value();
@@ -274,7 +275,7 @@ TEST_F(DriveWithHabits, AResetWaitsForItsEffect) {
   EXPECT_EQ(state(), PowerState::switch_on_disabled);
 }
 
-// j: bit 10 of this mode has no meaning for a stream.
+// j: in cyclic position mode bit 10 has no meaning for a stream.
 TEST_F(DriveWithHabits, StreamsWhereBit10Toggles) {
   have("habit_stream_target_bit", 1);
   auto group = AxisGroup::create(session_, std::array{axis_}).value();

@@ -300,7 +300,7 @@ TEST_F(Modes, JogWhoseLastCommandIsRefusedStopsItsAxisByAQuickStop) {
   EXPECT_EQ(now().state(), PowerState::switch_on_disabled);
 }
 
-// A program that takes over an axis and sends no command would also leave it running.
+// An axis would also run on if another program takes it over and sends no command.
 TEST_F(Modes, JogStopsAnAxisThatAnotherSessionHasTakenAndNotCommanded) {
   Session other(options_on_wire());
   const Outcome jogged = axis_.jog(10'000, [&](const AxisSnapshot& axis) {
@@ -472,7 +472,8 @@ TEST_F(EndOfAProgram, GivesAnAxisBackWhoseVelocityWasRefused) {
   EXPECT_EQ(now().state(), PowerState::operation_enabled);
 }
 
-// This is what the call promises: "the axis runs on, also after the call".
+// Axis::run_at() promises: the axis keeps running, "if it has reached the velocity, also after the
+// session".
 TEST_F(EndOfAProgram, GivesAnAxisBackThatHasReachedTheVelocityItWasToKeep) {
   (void)run([](Session& /*session*/, Axis& axis) {
     EXPECT_TRUE(axis.run_at(5'000));

@@ -151,7 +151,7 @@ TEST_F(NamedSessions, AreKnownFromTheFirstAxisOn) {
   EXPECT_EQ(beta_.find_name(7, alpha_.id()), std::nullopt) << "it has no axis of that bench";
 }
 
-// Like commands of the tool that take over an axis.
+// A program may acquire an axis and end immediately, as commands of the tool do.
 TEST_F(NamedSessions, OfAProgramThatEndedAtOnceStayKnown) {
   constexpr int kPrograms = 20;
   for (int i = 0; i < kPrograms; ++i) {

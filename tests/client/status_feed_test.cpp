@@ -98,7 +98,7 @@ TEST(StatusFeed, CombinesThePartsOfATick) {
   EXPECT_TRUE(sut.take().has_value());
 }
 
-// In any order: frames from strangers need not be sorted.
+// The axes may be in any order: frames from strangers need not be sorted.
 TEST(StatusFeed, WantsNoFrameWhoseAxesAreAllBelowOrAboveItsOwn) {
   const Feed sut({300, 290}, 1);
   EXPECT_TRUE(sut.wants(frame(5, {300, 512, 257})));
@@ -108,7 +108,7 @@ TEST(StatusFeed, WantsNoFrameWhoseAxesAreAllBelowOrAboveItsOwn) {
   EXPECT_FALSE(sut.wants(frame(5, {512, 301})));
 }
 
-// This result wakes the waiting call, once per tick.
+// on_frame() returns true for the frame that wakes the waiting call, once per tick.
 TEST(StatusFeed, ReportsWhichFrameCompletesASample) {
   Feed sut({1, 300}, 1);
   EXPECT_FALSE(sut.on_frame(frame(5, {1})));
@@ -199,7 +199,8 @@ TEST(StatusFeed, CountsTheTicksThatTheNumberJumpedOverApartFromLostOnes) {
   EXPECT_EQ(next->axes[0].driven_tick(), 8U) << "drive time goes on from there";
 }
 
-// From 1970 to 2023 in milliseconds, although the frame's count has only 32 bits.
+// The tick number jumps from 1970 to 2023 in milliseconds, although the frame's count has only 32
+// bits.
 TEST(StatusFeed, CountsAJumpOfDecades) {
   constexpr std::uint64_t kJump = 1'700'000'000'000;
   Feed sut({1}, 10);

@@ -293,7 +293,8 @@ class MemoryFilledWith {
   }
 };
 
-// Otherwise journals would contain process memory, and those of the same program would differ.
+// If snapshots depended on what was in memory before, journals would contain process memory, and
+// two journals of the same program would differ.
 TEST(AxisBank, WritesTheSameBytesOfASnapshotWhateverWasInTheMemoryBefore) {
   const auto bytes_after_writes = [](int byte) {
     const MemoryFilledWith filled(byte);
@@ -648,8 +649,9 @@ TEST(AxisBank, AnAxisAtRestBehavesAsIfEveryTickWereCalculated) {
 }
 
 TEST(AxisBank, TheTargetReachedTimeRunsWhileNothingOfAnAxisChanges) {
-  // 6068h is raised to 20 s after 25 s on the target: bit 10 stays set; then to 60 s: bit 10 is
-  // cleared. Ten seconds after this move the integrator of the velocity loop has settled, too.
+  // After 25 s on the target 6068h is raised to 20 s: bit 10 stays set. Then it is raised to 60 s:
+  // bit 10 is cleared. Ten seconds after the move the integrator of the velocity loop has settled,
+  // too.
   AxisUnderTest axis;
   axis.enable();
   axis.write("position_user_target_value", 10'000);

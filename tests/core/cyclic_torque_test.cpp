@@ -27,7 +27,8 @@ void stream_torque(AxisUnderTest& axis, std::int32_t torque) {
   axis.step();
 }
 
-/// With `torque`, at the speed limit 607Fh of 40000 UU/s; ramps of 50, 100 and 200 UU/s per tick.
+/// Runs with `torque` up to the speed limit 607Fh of 40000 UU/s. 6084h, 6085h and 60C6h are ramps
+/// of 50, 100 and 200 UU/s per tick.
 void run_with_streamed(AxisUnderTest& axis, std::int32_t torque) {
   axis.write("profile_dec", 50'000);
   axis.write("quick_stop_deceleration", 100'000);

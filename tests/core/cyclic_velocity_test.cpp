@@ -53,9 +53,10 @@ TEST(CyclicVelocity, TheAxisRunsAtTheVelocity) {
 }
 
 // With a blocked load the torque of the velocity loop shows its demand. 6074h is the command of the
-// last of the 8 sub-steps of a tick, which samples the demand at 7/8 of its way. As accelerations,
-// with the loop of 100 Hz (gain 200π/s, integrator 0.1·(200π)²/s² · 125 µs = 4.935/s per sub-step):
-//   first tick: 628.3·7/8 + 4.935·(0 + 1 + ... + 6)/8 + 1/1 ms fed forward = 1562.7/s of velocity
+// last of the 8 sub-steps of a tick, which samples the demand at 7/8 of its way. The loop of 100 Hz
+// (gain 200π/s, integrator 0.1·(200π)²/s² · 125 µs = 4.935/s per sub-step) commands this
+// acceleration per unit of velocity:
+//   first tick: 628.3·7/8 + 4.935·(0 + 1 + ... + 6)/8 + 1/1 ms fed forward = 1562.7/s
 //   second tick: 628.3 + 4.935·(28/8 + 7) = 680.1/s, and nothing fed forward.
 // 1000 UU/s at 1/s are 2π·1000/4096 rad/s², which are 0.30680 per mille with 6e-4 kg.m² and 3 N.m:
 // 479.4 and 208.7. A step at the beginning of the tick would command 628.3 + 4.935·7 = 662.8/s

@@ -161,13 +161,13 @@ TEST(ObjectTable, GivesTheMomentOfEffectFromTheManualsMoreSpecificNotes) {
   EXPECT_EQ(describe("positioning_option_code"_object).effective, Effective::at_set_point);
   EXPECT_EQ(describe("app_speed_limit"_object).effective, Effective::at_enable);
   EXPECT_EQ(describe("motor_max_speed_rpm"_object).effective, Effective::at_enable);
-  // 6083h and 6084h: "can be changed in motion, in effect at once".
+  // 6083h and 6084h: "can be changed in motion, in effect immediately".
   EXPECT_EQ(describe("profile_acc"_object).effective, Effective::immediately);
   EXPECT_EQ(describe("profile_dec"_object).effective, Effective::immediately);
 }
 
-// docs/reference/wire.md: a write to one of the ten acquires a free axis; any session may write
-// 5E00h to 5E0Ch, 5E20h and 5E21h.
+// docs/reference/wire.md: a write to one of the ten command objects acquires a free axis; any
+// session may write 5E00h to 5E0Ch, 5E20h and 5E21h.
 TEST(ObjectTable, MarksTheCommandObjectsAndTheTestInputs) {
   std::vector<ObjectAddress> commands;
   std::size_t test_inputs = 0;
@@ -304,8 +304,8 @@ const std::set<std::int64_t> kHomingMethods{-4, -3, -2, -1, 0,  1,  2,  3,  4,  
 ///         single objects.
 AbortCode expected_answer(const ObjectDescription& object, std::int64_t value) {
   if (object.access == Access::read_only) return AbortCode::write_of_read_only_object;
-  // The meaning of a value decides in these four, not the range of their rows. 1003h:00: "write 0
-  // to sub 0 empties it; any other value is refused"; 6098h: "0 or a supported method".
+  // For these four objects the meaning of a value decides, not the range of the row. 1003h:00:
+  // "write 0 to sub 0 empties it; any other value is refused"; 6098h: "0 or a supported method".
   constexpr std::array<std::uint16_t, 4> kByMeaning{0x1003, 0x6086, 0x6098, 0x60A3};
   const bool by_meaning = std::ranges::find(kByMeaning, object.address.index) != kByMeaning.end();
   const TypeRange type = range_of(object.data_type);

@@ -353,7 +353,7 @@ TEST(FollowingError, TheTimerIsClearedInsideTheWindow) {
   axis.command(0x003F);
   for (int i = 0; i < 10; ++i) {
     axis.write("test_blocked_load", 1);
-    axis.step(60);  // about 35 ms of them outside
+    axis.step(60);  // outside the window for about 35 ms
     axis.write("test_blocked_load", 0);
     ASSERT_NE(axis.step_until(
                   [&axis] {

@@ -145,8 +145,8 @@ TEST(FrozenFeedback, ChangesNothingButWhatIsShown) {
   ASSERT_NO_FATAL_FAILURE(run_program(twins, false));
 }
 
-// In a range from 0 to 4095 the demand passes the end of the range on its way from 4000; the
-// shorter way back to 4000 is then the one backwards.
+// The demand moves from 4000 across the end of the range, 4095, to 500. The shorter distance
+// between the two, 596, crosses that end, too.
 TEST(FrozenFeedback, ShowsTheErrorOfAModuloAxisByTheShorterWay) {
   AxisConfiguration table;
   table.initial_position = 4'000;

@@ -776,7 +776,8 @@ TEST(HabitModeBeforeEnabling, LeavesTransition16AsItIs) {
   EXPECT_EQ(axis.state(), operation_enabled);
 }
 
-// With habit g the drive decides when it enables; a mode that was withdrawn by then does not count.
+// With habit g the drive looks for a mode when its time to power on is over: a mode that was
+// withdrawn before does not count.
 TEST(HabitModeBeforeEnabling, HoldsAtTheEndOfTheTimeToPowerOn) {
   for (const std::int64_t mode : {0, 3}) {
     SCOPED_TRACE(mode);
@@ -810,7 +811,7 @@ TEST(HabitClearTargetVelocity, BeginsAtStandstill) {
   }
 }
 
-// The inverter whose manual describes this is commanded through 6042h.
+// The inverter whose manual describes this habit is commanded through 6042h.
 TEST(HabitClearTargetVelocity, ClearsThatOfTheVelocityModeToo) {
   for (const std::int64_t habit : {0, 1}) {
     SCOPED_TRACE(habit);

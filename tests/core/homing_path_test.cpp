@@ -179,7 +179,7 @@ struct PathRow {
   double start;
   const char* way;
   double home;
-  double error;            ///< from one tick at the speed at which home is passed [UU]
+  double error;            ///< tolerance: a tick at the speed at which home is passed [UU]
   double stop = kEndless;  ///< end stops at -stop and stop [UU]
 };
 
@@ -281,9 +281,10 @@ const std::vector<PathRow> kStepPaths{
     {22, kNegativeSide, -31'000, ">> h < H .", -9'000, kAtCreep},
 };
 
-// First in positive direction. 7: left of the left edge, from the right. 8: right of the left edge,
-// from the left. 9: left of the right edge, from the right. 10: right of the right edge, from the
-// left. A start at the right reaches the positive limit switch and turns round.
+// These methods search in positive direction first; a start at the right reaches the positive limit
+// switch and turns round. Home is approached
+//   7: left of the left edge, from the right     8: right of the left edge, from the left
+//   9: left of the right edge, from the right   10: right of the right edge, from the left
 const std::vector<PathRow> kPositivePaths{
     {7, kMiddle, 0, ">> H < h .", 8'192, kAtIndex},
     {7, kMiddle, -31'000, ">> H < h .", 8'192, kAtIndex},
@@ -327,8 +328,8 @@ const std::vector<PathRow> kPositivePaths{
     {26, kMiddle, 31'000, "<< H > h .", 15'000, kAtCreep},
 };
 
-// The same, mirrored: first in negative direction, and a start at the left reaches the negative
-// limit switch.
+// The same, mirrored: these methods search in negative direction first, and a start at the left
+// reaches the negative limit switch.
 const std::vector<PathRow> kNegativePaths{
     {11, kMiddle, 20'000, "<< H > h .", 16'384, kAtIndex},
     {11, kMiddle, 31'000, "<< H > h .", 16'384, kAtIndex},

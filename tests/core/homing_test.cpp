@@ -249,8 +249,8 @@ TEST_P(HomingMethod, FindsTheSamePlaceWhenRepeated) {
   bench.switches_at(-20'000.0, 20'000.0);
   ASSERT_NO_FATAL_FAILURE(bench.home(method, 1'000));
   const double home = bench.place;
-  const bool forward =
-      method == 34 || method == 18;  // starts on the side from which the next mark is the same one
+  // These methods find the same mark again from below home, the others from above.
+  const bool forward = method == 34 || method == 18;
   for (int round = 0; round < 4; ++round) {
     ASSERT_NO_FATAL_FAILURE(bench.move_to(home + (forward ? -500.0 : 500.0)));
     const double from = bench.place;
@@ -481,7 +481,7 @@ TEST(HomingIndex, IgnoresAPulseBeforeTheAxisLeavesTheLimitSwitch) {
 }
 
 TEST(HomingIndex, KeepsTheMarksWherePositionsWrap) {
-  // 2^31 is a multiple of 4096: the marks of the first frame coincide with those of the register.
+  // 2^31 is a multiple of 4096: the marks stay at multiples of 4096 where the register wraps.
   AxisConfiguration configuration;
   configuration.initial_position = 2'147'480'000;
   Bench bench(configuration);

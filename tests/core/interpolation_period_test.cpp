@@ -503,7 +503,8 @@ void go_half_the_way(AxisUnderTest& axis) {
   ASSERT_EQ(axis.demand(), 500);
 }
 
-/// From there the axis brakes for 100 ticks, by 1000 UU/s each, over 100000²/(2·1000000) = 5000 UU.
+/// After go_half_the_way() the axis brakes for 100 ticks, by 1000 UU/s each, over
+/// 100000²/(2·1000000) = 5000 UU.
 void expect_braking_on_the_way(AxisUnderTest& axis) {
   for (int tick = 1; tick <= 99; ++tick) {
     axis.step();

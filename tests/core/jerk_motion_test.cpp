@@ -397,8 +397,8 @@ TEST(LimitedJerk, IsNotInTheStopAtALimitSwitch) {
   EXPECT_NEAR(lost_in_a_tick(axis), kQuickTick, 1);
 }
 
-// Taking back 2048000 UU/s² with a jerk of 4096000 UU/s³ would take 0.5 s and change the speed by
-// 512000 UU/s: backwards, and faster than any limit.
+// Reducing 2048000 UU/s² to 0 with a jerk of 4096000 UU/s³ would take 0.5 s and change the speed by
+// 512000 UU/s: the axis would move backwards, faster than any limit.
 TEST(LimitedJerk, KeepsOnlyTheDecelerationItCanEndBeforeStandstill) {
   AxisUnderTest axis;
   axis.write("quick_stop_option_code", 6);
@@ -436,8 +436,8 @@ TEST(LimitedJerk, KeepsItsSpeedAfterAStopThatALimitSwitchReleases) {
 }
 
 TEST(LimitedJerk, MakesAnAxisThatSpeedsUpFasterBeforeItHalts) {
-  // 0.05 s: 4096000·0.05 = 204800 UU/s² and 5120 UU/s. The acceleration ends 0.05 s later,
-  // at 10240 UU/s.
+  // After 0.05 s the axis has 4096000·0.05 = 204800 UU/s² and 5120 UU/s. The acceleration ends
+  // 0.05 s later, at 10240 UU/s.
   AxisUnderTest axis;
   limit_jerk(axis, 4'096'000);
   axis.write("following_error_window", 0xFFFFFFFF);

@@ -107,7 +107,7 @@ TEST(JerkProfile, StopsAnAxisThatSpeedsUpAfterTheRestOfItsAcceleration) {
 
 TEST(JerkProfile, ComesBackFromAnOvershootThatItCannotAvoid) {
   // The acceleration ends after 0.2 s, at 5 - 20 = -15 units/s, at 5·0.2 - 200·0.2²/2 + 1000·0.2³/6
-  // = -5/3 units. The stop takes another 15·T.
+  // = -5/3 units. The stop from there takes two phases of T with J·T² = 15, over 15·T units.
   const MotionSample start{0.0, 5.0, -200.0};
   const double back = std::sqrt(15.0 / 1000.0);
   const double rest = -5.0 / 3.0 - 15.0 * back;
@@ -116,7 +116,7 @@ TEST(JerkProfile, ComesBackFromAnOvershootThatItCannotAvoid) {
   EXPECT_NEAR(stop.duration(), 0.2 + 2.0 * back, 1.0e-12);
   EXPECT_NEAR(stop.end_position(), rest, 1.0e-12);
 
-  // A target on the near side of that position is reached on the way back, without stopping there.
+  // A target on the near side of `rest` is reached on the way back, without coming to rest first.
   const JerkProfile move = plan_jerk_move(start, rest + 2.0, kLimits, kJerk);
   EXPECT_EQ(move.end_position(), rest + 2.0);
   EXPECT_GT(move.at(move.duration() - 0.05).velocity, 0.0);

@@ -8,11 +8,11 @@
 // An axis at rest can wait, so the farthest end grows with the time, and a plan is the fastest one
 // if no motion gets farther than its target in its duration.
 //
-// No motion of a programme violates a limit between the instants of the grid, so none may get
-// farther than the target. The grid contains the instants of the plan, so one motion gets as far.
-// This is exact. Motions that do not fit the grid are bounded by weak duality with the prices
-// y >= 0 of the programme, whose rows bound α·v + β·a at an instant t to b. For any motion x, on a
-// grid or not, with jerk j(t),
+// The motions of a programme keep every limit, also between the instants of the grid. So the plan
+// is wrong if one of them gets farther than the target. The grid contains the instants of the plan,
+// so the plan itself is one of them. This is exact. Motions that do not fit the grid are bounded by
+// weak duality with the prices y >= 0 of the programme, whose rows bound α·v + β·a at an instant t
+// to b. For any motion x, on a grid or not, with jerk j(t),
 //   d·x(T) <= Σ y·b + ∫ j(t)·p(t) dt <= Σ y·b + ∫ J·|p(t)| dt,
 //   p(t) = d·(T - t)²/2 - Σ over t_k > t of y_k·(α_k·(t_k - t) + β_k).
 // Such a motion may violate one kind of row: v + a·h/2, which bounds the velocity within a step, by

@@ -302,7 +302,8 @@ PartBounds bounds_of_part(const JerkCase& c, const MotionSample& middle,
 }
 
 /// @return whether the acceleration exceeds its bounds. The instant of zero velocity is known only
-///         as precisely as the velocity, and a²/2 changes with the velocity by the jerk.
+///         as precisely as the velocity. d(a²/2)/dv is the jerk, so the bound of a²/2 is widened by
+///         the jerk times the velocity error.
 bool has_excess(const JerkCase& c, const PartBounds& bounds, double acceleration,
                 const JerkTolerance& slack) {
   const double along = bounds.side * acceleration;
@@ -423,16 +424,16 @@ TEST_P(JerkPlans, KeepTheirLimitsAndEndExactlyAtTheTarget) {
   }
 }
 
-/// @return the range of velocities of a direct change: from the start to the velocity at which its
-///         acceleration has ended, if that leads the other way, and on to the target.
+/// @return the velocities of a direct change: from the start to the target, extended to the
+///         velocity at which the acceleration of the start has ended, if that lies outside.
 VelocityRange velocities_of_change(const JerkCase& c, double target, const JerkTolerance& slack) {
   const auto settled = static_cast<double>(test::settled_velocity(exact_start(c), c.jerk));
   const auto [lowest, highest] = std::minmax({c.start.velocity, settled, target});
   return {lowest - slack.velocity, highest + slack.velocity};
 }
 
-/// @return the time that rounding may cost a change of velocity: at its end, that of a jerk which
-///         takes back the velocity error.
+/// @return the time that rounding may cost a change of velocity: the velocity error divided by the
+///         highest acceleration of the change.
 double rounding_of_change(const JerkCase& c, double target, const JerkTolerance& slack,
                           const ExactPath& expected) {
   const auto settled = static_cast<double>(test::settled_velocity(exact_start(c), c.jerk));
@@ -604,12 +605,12 @@ TEST(JerkProfileProperty, TakesTheTimeOfTheFastestPushAndStop) {
         random.one_in(3) ? c.limits.acceleration : log_uniform(random, 1.0e2, 1.0e5);
     c.jerk.acceleration = log_uniform(random, 1.0e3, 1.0e6);
     c.jerk.deceleration = c.jerk.acceleration;
-    // Also outside the limits.
+    // The start may be outside the limits.
     const double highest = std::max(c.limits.acceleration, c.limits.deceleration);
     c.start.velocity = signed_unit(random) * c.limits.velocity * (random.one_in(4) ? 2.0 : 1.0);
     c.start.acceleration = signed_unit(random) * highest * (random.one_in(4) ? 2.0 : 1.0);
-    // No target closer to the end of the stop: there an error counts with its cube root, and that
-    // end is rounded.
+    // No target is closer than 0.01 to the end of the stop: there a position error costs a time
+    // that grows with its cube root, and the end of the stop is itself rounded.
     const ExactState start = exact_start(c);
     const ExactPath stop = fastest_change(start, 0.0L, c.limits, c.jerk);
     const double beyond = (random.one_in(2) ? 1.0 : -1.0) * log_uniform(random, 1.0e-2, 1.0e5);
@@ -677,8 +678,9 @@ TEST(JerkProfileProperty, IsNotSlowerThanADetour) {
   }
 }
 
-/// @return whether the motion can keep all limits from here on: its acceleration is within its
-///         bounds, even where it cannot be reduced before v = 0, and does not force it over V.
+/// @return whether the motion can keep all limits from here on: the acceleration is within its
+///         bounds, also after v = 0 if it cannot be reduced before, and does not force the velocity
+///         over V.
 /// @param side of v = 0 on which the state is, 1 or -1
 bool can_keep_its_limits(const JerkCase& c, const MotionSample& state, double side) {
   const double along = side * state.acceleration;

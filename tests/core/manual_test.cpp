@@ -179,7 +179,8 @@ TEST(Manual, EveryStateShowsVoltageAndRemoteAndNoReservedBit) {
 // ---- 607Ah -------------------------------------------------------------------------------------
 
 TEST(Manual, AnAbsoluteTargetIsApproachedFromWhicheverSideTheAxisStands) {
-  // 6064h above 607Ah: negative; below: positive. Whatever the signs of the two.
+  // From a 6064h above 607Ah the axis moves in negative direction, from below in positive
+  // direction, whatever the signs of the two.
   for (const auto& [from, to] :
        {std::tuple{-3'000, -1'000}, std::tuple{-3'000, 2'000}, std::tuple{3'000, 1'000},
         std::tuple{3'000, -2'000}, std::tuple{-1'000, -3'000}, std::tuple{1'000, 3'000}}) {

@@ -117,7 +117,8 @@ Reaction expected_reaction(const Situation& s) {
       (first == 2 && column == kEnable && !s.options.enable_from_switch_on_disabled) ||
       (first == 16 && s.options.quick_stop_option_code < 5) || (first == 15 && s.cause_present);
   if (refused) return stay;
-  // Ramps of 605Bh and 605Ch hold the transition back; the stronger one remains.
+  // The ramps of 605Bh and 605Ch delay the transition. Shutdown is the stronger command of the two:
+  // if it is pending, it remains.
   if (first == 8 && s.options.shutdown_option_code == 1) {
     return {s.state, PowerCommand::shutdown};
   }

@@ -308,7 +308,7 @@ void expect_limits(const Case& c, const Profile& profile) {
                 steeper == (speeds_up ? c.limits.acceleration : c.limits.deceleration) ||
                 std::abs(to - from) <= tolerance.velocity)
         << c << " segment " << i;
-    // Faster than the limit only while braking from a start that was faster.
+    // The velocity exceeds the limit only while the axis brakes from a start above it.
     ASSERT_LE(std::abs(to), std::max(c.limits.velocity, std::abs(from)) + tolerance.velocity) << c;
     if (speeds_up || steeper == 0.0) {
       ASSERT_LE(std::abs(to), c.limits.velocity + tolerance.velocity) << c << " segment " << i;
@@ -349,8 +349,8 @@ void expect_symmetry(const Case& c, const Profile& profile) {
   }
 }
 
-/// The piece in force at `time` moves with its own acceleration over any shorter step, so sampling
-/// in one step or in many gives the same result.
+/// Within a segment, position and velocity follow from an earlier sample and its acceleration, so
+/// sampling in one step or in many gives the same result.
 void expect_same_in_many_steps(const Case& c, const Profile& profile, Random& random) {
   const Tolerance tolerance = tolerance_of(c, profile);
   double begin = 0.0;

@@ -71,7 +71,7 @@ class LeftDrive {
   AxisUnderTest drive_;
 };
 
-// In every mode, with each habit alone; positions, records and offsets are left as they are.
+// Tries every mode with each habit alone; positions, records and offsets are left as they are.
 TEST(StandingTargets, OfZeroLetAnAxisRestThatGetsItsPower) {
   for (const OperatingModeRow& mode : kOperatingModes) {
     for (std::uint8_t habit = 0; habit <= kSubindexes; ++habit) {
@@ -97,7 +97,8 @@ struct FollowingMode {
 
 class StandingTarget : public testing::TestWithParam<FollowingMode> {};
 
-// This is correct for a drive; the program that writes the controlwords must allow for it.
+// It is correct that a drive with a standing target moves when it gets its power; the program that
+// writes the controlwords must allow for it.
 TEST_P(StandingTarget, ThatWasLeftMovesAnAxisThatGetsItsPower) {
   LeftDrive left(GetParam().mode);
   left.enable(GetParam().bits);

@@ -212,9 +212,9 @@ class TurningLine {
 };
 
 TEST(SynchronousMove, WithAReferenceWayStartsInMotionAndKeepsItsStraightLineWithinAUnit) {
-  // In multiples of the direction the speed is at most 20000 /s, or 50000 /s if an acceleration
-  // must end first. Braking with at least 1e5 /s² then takes half a second and goes 20000 too far;
-  // the way back at 9000 /s takes 2 s.
+  // Measured in multiples of `direction`, the speed is at most 20000 /s, or 50000 /s if an
+  // acceleration must end first. Braking with at least 1e5 /s² then takes half a second and goes
+  // 20000 too far; the way back at 9000 /s takes 2 s.
   constexpr int kLongest = 10'000;        // ticks
   constexpr double kUnit = 1.0 + 1.0e-6;  // includes the last bits of the line
   for (int run = 0; run < kMovesOfABank; ++run) {

@@ -184,9 +184,9 @@ void act(Bench& bench, Bytes& bytes) {
   }
 }
 
-/// After all that, with its inputs off and its load held until it rests, a rigid axis moves as at
-/// the beginning: 1000 user units with the default ramps take 0.1 s. A value that is not a number
-/// would have stayed in the plant.
+/// After any actions, with its inputs off and its load held until it rests, a rigid axis moves as
+/// at the beginning: 1000 user units with the default ramps take 0.1 s. A value that is not a
+/// number would have stayed in the plant.
 void check_healed(Bench& bench, std::size_t axis) {
   constexpr std::int64_t kDistance = 1000;
   constexpr auto kPatience = std::chrono::milliseconds{400};

@@ -206,8 +206,8 @@ class Peers {
     }
   }
 
-  /// Works like the lock-step driver, but for a few ticks and at a time at which no step still
-  /// waits.
+  /// Works like the lock-step driver, but runs only a few ticks, and then answers as if the
+  /// patience of every waiting step were over.
   void handle_step(service::Arrival& arrival) {
     service::StepRequests& steps = engine_.steps();
     const service::StepRequests::Time now{};

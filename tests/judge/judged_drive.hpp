@@ -40,7 +40,7 @@ class JudgedDrive {
   explicit JudgedDrive(const TestSource& source = {}, const AxisConfiguration& configuration = {},
                        std::uint32_t number = 1);
 
-  /// One of several drives of a judge, which must outlive it.
+  /// One of several drives of `judge`, which must outlive the drive.
   JudgedDrive(Judge& judge, const TestSource& source, const AxisConfiguration& configuration,
               std::uint32_t number);
 

@@ -642,7 +642,7 @@ TEST(Configuration, OfTheGuideHasNoWarningAndItsLimitsAreInForce) {
   EXPECT_EQ(bank.read(0, {0x607D, 1}).value, -100'000);
 }
 
-// `vdrived --help-config` has their units, limits and defaults.
+// The guide has only the names; `vdrived --help-config` has the units, limits and defaults.
 TEST(Configuration, OfTheGuideNamesEachModelParameter) {
   std::ifstream file(VDRIVE_SOURCE_DIR "/docs/guides/configuration.md");
   std::ostringstream page;

@@ -203,7 +203,8 @@ msg::CommandFrame whole_frame(OwnedBench& bench, ObjectAddress address, std::int
   return frame;
 }
 
-// The effect of such a write would stay even if its register got the old value back.
+// The writes of this test act immediately: their effect would stay even if the register got its old
+// value back.
 TEST(CommandFrame, WithAllOrNothingDoesWhatActsAtOnceOnlyWhenNoneIsRefused) {
   struct ActingWrite {
     ObjectAddress address;
@@ -228,7 +229,8 @@ TEST(CommandFrame, WithAllOrNothingDoesWhatActsAtOnceOnlyWhenNoneIsRefused) {
   }
 }
 
-// The first write of a set-point starts a stream to whatever value the register then has.
+// The first write of a set-point makes the axis follow the register. If the write of a refused
+// frame was only undone, the axis would follow the old value.
 TEST(CommandFrame, WithAllOrNothingBeginsNoStreamWhenOneIsRefused) {
   struct OldSetPoint {
     int mode;
@@ -281,8 +283,9 @@ TEST(CommandFrame, WithAllOrNothingKeepsTheErrorHistoryWhenOneIsRefused) {
   EXPECT_EQ(bench.value(1, 0x1003), 1);
 }
 
-// 607Bh decides which values of 60F2h are valid, and 5E20h:05 which of 6060h. All writes of such a
-// frame are judged before any is made, so 60F2h or 6060h would be judged by the old value.
+// 607Bh decides which values of 60F2h are valid, and 5E20h:05 which values of 6060h. All writes of
+// an all-or-nothing frame are judged before any is made, so 60F2h or 6060h would be judged by the
+// old value.
 TEST(CommandFrame, WithAllOrNothingRefusesObjectsThatDecideOnOthers) {
   OwnedBench bench;
   for (const ObjectAddress address :

@@ -242,7 +242,7 @@ TEST(StopOfAnotherSession, CancelsPendingFramesOfTheAxis) {
   }
 }
 
-// Each of these commands more than a stop, or something else.
+// Each word of this test asks for more than a stop, or for something else.
 TEST(StopOfAnotherSession, IsTheOnlyCommandThatIsAccepted) {
   MovingAxis bench;
   for (const std::int64_t word : {0x00, 0x06, 0x07, 0x0F, 0x3F,  // no stop

@@ -132,7 +132,7 @@ TEST(SnapshotRequest, KeepsUpToSixteenSnapshotsAndDropsThemOnRequest) {
   EXPECT_EQ(take(bench), 17U) << "a number is never used again";
 }
 
-// Taken in ticks 0, 10 and 10; the second snapshot is dropped.
+// Three snapshots are taken, in ticks 0, 10 and 10, and the second is dropped.
 TEST(SnapshotRequest, ListsTheKeptSnapshotsOneAfterTheOther) {
   EngineUnderTest bench(standing_bench());
   const auto next = [&bench](std::uint64_t after) {

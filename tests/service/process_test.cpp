@@ -299,7 +299,7 @@ TEST(ServiceProcess, RefusesAnEmptyValue) {
   }
 }
 
-// This is how a pod gets its number.
+// A pod gets the number of its bench from VDRIVE_BENCH.
 TEST(ServiceProcess, TakesItsNumberFromTheEnvironment) {
   setenv("VDRIVE_BENCH", "12", 1);  // NOLINT(*-mt-unsafe)
   Process service({"--print-config"});

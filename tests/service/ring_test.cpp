@@ -58,7 +58,7 @@ TEST(Ring, RestartsWithItsFirstSlotWhenItIsEmpty) {
   }
 }
 
-// Filled 20 times, each time from empty, and once with a message left in it.
+// In each of 20 rounds the ring is filled from empty, and gets a message while one is left in it.
 TEST(Ring, HasItsWholeCapacityFromAnyPosition) {
   Ring<int> ring(10);
   for (int round = 0; round < 20; ++round) {

@@ -293,7 +293,8 @@ TEST(ServiceManager, IsNotifiedOfTheLossAndReturnOfTheNetworkProcess) {
   EXPECT_EQ(service->wait().code, 0);
 }
 
-// Its exit code is a failure, so the service manager starts it again.
+// A service that cannot start a network process ends with the exit code of a failure, so the
+// service manager starts it again.
 TEST(ServiceManager, RestartsAServiceThatCannotStartANetworkProcess) {
   NotifySocket socket;
   const auto service = serve({"--wire", "process"});

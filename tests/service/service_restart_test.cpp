@@ -114,7 +114,7 @@ class KilledService : public testing::Test {
   std::unique_ptr<Probe> probe_;
 };
 
-// A single round may coincide with other load on the machine, so the promise is for the median.
+// A single round may coincide with other load on the machine, so the median is judged.
 TEST_F(KilledService, RestartsWithinASecondWithDisabledAxesAndLeaksNothing) {
   const int rounds = number_of<int>({.usual = 8, .full = 20, .nightly = 200});
   std::optional<Resources> first;

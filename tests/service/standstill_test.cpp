@@ -39,7 +39,7 @@ TEST_F(StandstillTest, NamesTheThreadThatStandsLongest) {
   EXPECT_EQ(sut_.look(begin_ + 4s).name, "ticks");
 }
 
-// Two callers at the same time, such as a kubelet and a person.
+// There may be two callers at the same time, such as a kubelet and a person.
 TEST_F(StandstillTest, FindsProgressHoweverOftenOneLooks) {
   for (auto time = 1ms; time <= 10s; time += 1ms) {
     if (time % 10ms == 0ms) ticks_.add();

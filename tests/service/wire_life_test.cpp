@@ -428,8 +428,8 @@ TEST(Engine, EndsAWireWhoseDiscoveryHasFailed) {
   EXPECT_TRUE(Probe(test_domain()).find_bench()) << "and the next wire discovers";
 }
 
-// Each number of a gap allocates memory immediately, so the limit is reached long before a probe is
-// missed.
+// The library allocates memory for each sequence number of an RTPS GAP, so the memory limit is
+// reached long before a probe is missed.
 TEST(Engine, EndsAWireThatLeaks) {
   const TemporaryDirectory directory;
   const auto configuration = directory.path() / "bench.yaml";

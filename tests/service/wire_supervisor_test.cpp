@@ -119,7 +119,8 @@ TEST(WireJudge, WantsALookAtAProcessThatDoesNotStart) {
   EXPECT_TRUE(judge.needs_examination(kSpawned + WireJudge::kLateRound + 1ms));
 }
 
-// Immediately, then after 100, 200, 400 ms and so on up to 5 s; after a long run it starts over.
+// The next wire starts immediately, then after 100, 200, 400 ms and so on up to 5 s. After a long
+// run of a wire the delays start over.
 TEST(WireJudge, WaitsLongerAfterEachFurtherEnd) {
   WireJudge judge(kLimit);
   std::vector<std::chrono::milliseconds> delays;
@@ -136,8 +137,8 @@ TEST(WireJudge, WaitsLongerAfterEachFurtherEnd) {
   EXPECT_EQ(judge.note_end(kSpawned + WireJudge::kLongRun, false), kSpawned + WireJudge::kLongRun);
 }
 
-// A debugger, a stop from the terminal or a suspended machine: the supervisor checked nothing
-// during that time.
+// A debugger, a stop from the terminal or a suspended machine may pause the service. The supervisor
+// checked nothing during that time.
 TEST(WireJudge, AllowsAPauseOfTheWholeService) {
   WireJudge judge(kLimit);
   HealthyWire wire;

@@ -81,8 +81,8 @@ class ControlModel {
   void arrive(const msg::Request& request);
   void note_message(std::uint64_t session);
 
-  /// Notes a request that does not `arrive`. @return whether it has arrived before; then the first
-  /// answer is due again, unless it is still in progress.
+  /// Notes a step request, which is not passed to arrive(). @return whether it is a repeat: then
+  /// the first answer is due again, unless the step is still in progress.
   bool is_repeat(const msg::Request& request);
 
   /// @return whether the command frames that were sent before the step have arrived.
@@ -177,7 +177,7 @@ class ControlModel {
     std::uint64_t sequence = 0;
     std::uint64_t tick = 0;
     bool is_wanted = false;
-    bool is_repeat = false;  ///< repeats whatever was answered then
+    bool is_repeat = false;  ///< to a repeated frame: the first answer again
     bool is_kept = true;     ///< can be given again
     std::vector<Refused> refusals;
   };

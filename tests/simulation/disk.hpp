@@ -43,8 +43,8 @@ class Disk {
   /// Whether an operation of this save failed.
   [[nodiscard]] bool has_failed() const { return failed_; }
 
-  /// Whether that operation came after the rename of the new file; then only its durability is
-  /// unknown.
+  /// Whether that operation came after the rename of the new file. If so, only the durability of
+  /// the file is unknown.
   [[nodiscard]] bool has_replaced() const { return replaced_; }
 
   /// The process ended in this save: its further operations have no effect.

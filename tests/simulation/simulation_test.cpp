@@ -343,7 +343,8 @@ TEST(AxisWatch, DetectsAModuloAxisOutsideOfItsRange) {
 }
 
 TEST(AxisWatch, DetectsAModuloAxisThatJumps) {
-  // 500 of 1000 either way; 100 UU, 14 from the strongest acceleration and 6 of blur are allowed.
+  // From 900 to 400 it is 500 UU either way round the range. The speed allows 100 UU, the strongest
+  // acceleration 14 and blur 6.
   const auto violation = turn_through({900, 400});
   ASSERT_TRUE(violation);
   EXPECT_EQ(violation->invariant, Invariant::kNoJump);

@@ -42,7 +42,7 @@ class StoreModel {
   enum class Outcome : std::uint8_t {
     durable,
     refused,   ///< the new file never replaced the old one
-    doubtful,  ///< it may have: either the old set or the new one is there
+    doubtful,  ///< the new file may have replaced the old one: the disk has either set
   };
 
   /// The service starts with this set.

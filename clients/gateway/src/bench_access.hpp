@@ -12,7 +12,7 @@
 
 namespace vdrive::gateway {
 
-/// The session in which the connection that holds control commands the benches.
+/// The session of the connection that holds control, in which it commands the benches.
 struct HeldSession {
   std::uint64_t id = 0;
   SessionPointer session;      ///< for calls

@@ -292,7 +292,7 @@ void BenchFeed::add_axes(Batch& batch) {
 }
 
 /// Reads the ratings of all axes before the first message, so that it contains all efforts. Ratings
-/// hardly ever change, so after that one axis is read at a time.
+/// hardly ever change, so later calls read one axis each.
 void BenchFeed::refresh_joints(Clock::time_point now) {
   if (next_rating_ != 0 && now < rating_due_) return;
   rating_due_ = now + kRatingPeriod;

@@ -106,7 +106,8 @@ void BenchWatch::remove(std::uint32_t bench, bool /*is_replaced*/) {
     feed = std::move(feeds_.at(bench));
     feeds_.erase(bench);
   }
-  // Without the lock, which events need while the feed's destructor waits for its thread.
+  // From here on without the lock: the destructor of the feed waits for its thread, and events that
+  // arrive in that time need the lock.
   news_.went(bench, feed->channels().all());
 }
 

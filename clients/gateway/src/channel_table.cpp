@@ -85,7 +85,7 @@ ChannelTable::Problem ChannelTable::subscribe(ConnectionId id, const Subscriptio
   subscribed = channel->second;
   subscribed->receivers.push_back({id, wanted.id});
   ++subscribed->subscriptions;
-  // After the count: a feed that takes the flag must see that the topic is wanted.
+  // The flag is set after the count: a feed that takes the flag must see that the topic is wanted.
   subscribed->has_new_receiver = true;
   has_changed_ = true;
   return {};
@@ -148,7 +148,8 @@ void ChannelTable::add_to(Graph& graph, const ClientTable& clients) const {
     for (const Receiver& receiver : channel->receivers) {
       subscribed.ids.push_back(clients.name(receiver.connection));
     }
-    // Included without subscribers too, so that clients remove those that they know of.
+    // Topics without subscribers are included too: otherwise clients would keep showing the former
+    // subscribers.
     graph.subscribed.push_back(std::move(subscribed));
   }
   graph.removed_topics = removed_topics_;

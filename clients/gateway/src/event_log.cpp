@@ -20,7 +20,8 @@ void EventLog::add(const client::Event& event) {
     bench.counts.clear();
     bench.incarnation = event.incarnation;
   }
-  // The summary of equal events arrives late, with the tick of the last of them.
+  // Not simply appended: of equal events that it suppressed, the bench sends the last one up to a
+  // second late, with its own, earlier tick.
   events.insert(std::ranges::upper_bound(events, event.tick, {}, &client::Event::tick), event);
   ++bench.counts[event.kind];
   if (events.size() > kMostOfABench) forget_one(bench);

@@ -34,7 +34,8 @@ class EventLog {
     std::uint64_t incarnation = 0;  ///< run of the bench that `events` are from
     std::deque<client::Event> events;
     std::map<client::EventKind, std::size_t> counts;  ///< in `events`
-    std::uint64_t added = 0;  ///< number of its latest event among those of all benches
+    /// Number of its latest event, counted over all benches in order of arrival.
+    std::uint64_t added = 0;
   };
 
   static void forget_one(Bench& bench);

@@ -65,8 +65,8 @@ Json write_json(const client::AxisWrite& write, const client::SessionText& name)
           {"by", write.session == 0 ? std::string() : name(write.session)}};
 }
 
-/// The samples of one axis: for each member of the status a list of numbers, as long as that of the
-/// ticks.
+/// The samples of one axis: a list of ticks and, for each member of the status, a list of numbers
+/// of the same length.
 Json samples_json(const Window& window) {
   Json ticks = Json::array();
   Json series = Json::object();

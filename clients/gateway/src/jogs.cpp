@@ -34,7 +34,7 @@ void jog(client::Session& session, const JogRequest& request,
 }  // namespace
 
 Jogs::~Jogs() {
-  // All of them first, so that they brake at the same time.
+  // Lets go of all axes before it waits for any, so that they brake at the same time.
   for (auto& [name, jog] : jogs_) let_go(jog);
 }
 

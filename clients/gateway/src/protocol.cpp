@@ -348,7 +348,8 @@ Frame response_frame(std::uint32_t service, std::uint32_t call, std::string_view
   put(frame, kServiceResponse);
   put(frame, service);
   put(frame, call);
-  // Not in the head, which has a fixed capacity: length of the encoding, encoding, payload.
+  // The head has a fixed capacity, so the body has the rest: length of the encoding, encoding,
+  // payload.
   std::string body(sizeof(std::uint32_t), '\0');
   const auto length = static_cast<std::uint32_t>(kJsonEncoding.size());
   std::memcpy(body.data(), &length, sizeof(length));

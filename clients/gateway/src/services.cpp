@@ -141,8 +141,8 @@ Outcome command_axes(Session& session, std::vector<Axis>& axes, const AxesServic
     }
     return outcome;
   }
-  // Not a group for a power cycle: a group would wait for a later tick that shows the axes again,
-  // and a paused bench has none.
+  // A power cycle does without a group, which would wait for a later tick that shows the axes
+  // again: on a paused bench there is none.
   if (axes.size() == 1 || service.command == EachCommand::power_cycle) {
     for (Outcome& outcome : session.command_each(axes, *service.command, options(service.until))) {
       if (!outcome) return std::move(outcome);

@@ -44,10 +44,12 @@ constexpr std::chrono::seconds kHandshake{5};
 constexpr std::chrono::milliseconds kAcceptPause{100};
 // Short compared with the shortest patience with a client, 1 s.
 constexpr std::chrono::milliseconds kWatchPeriod{250};
-// A client that just receives sends only ping answers: several must fit into the usual patience.
+// A client that only receives data sends nothing but ping answers: several must fit into the usual
+// patience.
 constexpr std::chrono::milliseconds kPingPeriod{500};
-// A turn polls the parameters of all clients together, twice a second at most. A page that opens
-// subscribes to a thousand topics: within one turn, they are one change of the graph.
+// A turn polls the parameters of all clients together, twice a second at most. When a page is
+// opened, it subscribes to a thousand topics; the subscriptions within one turn are sent as one
+// change of the graph.
 constexpr std::chrono::milliseconds kTurn{500};
 // A report for each dropped message would add to what the client is too slow to read.
 constexpr std::chrono::milliseconds kDropReport{1000};
@@ -57,8 +59,8 @@ constexpr std::size_t kLongestHead = 8192;          // [bytes] of an HTTP reques
 constexpr std::size_t kLongestMessage = 1U << 18U;  // [bytes] of a WebSocket message
 // Kernel buffer: messages in it cannot be dropped any more, so a slow client sees them late.
 constexpr int kSendBuffer = 1 << 18;                  // [bytes] in the kernel, which doubles it
-constexpr std::ptrdiff_t kMostPlainConnections = 32;  // HTTP connections per use, in addition to
-                                                      // the WebSockets
+constexpr std::ptrdiff_t kMostPlainConnections = 32;  // HTTP connections for each `Use`, in
+                                                      // addition to the WebSockets
 
 // Limits on the messages of a client. The burst allows a page to subscribe to a thousand axes.
 constexpr TokenBucket::Rate kMessages{.per_second = 200.0, .burst = 4000.0};
@@ -304,8 +306,8 @@ class WebConnection final : public std::enable_shared_from_this<WebConnection> {
     stream().expires_never();
     websocket::stream_base::timeout times{};
     times.handshake_timeout = kHandshake;
-    // Not Beast's own time-out, which would count a delay of this gateway as the client's: watch()
-    // decides.
+    // Beast's own time-out is off, because it would count a delay of this gateway as the client's:
+    // watch() decides.
     times.idle_timeout = websocket::stream_base::none();
     times.keep_alive_pings = false;
     socket_.set_option(times);

@@ -175,8 +175,9 @@ BrokenTrajectories BenchMotion::update(Clock::time_point now) {
   return broken;
 }
 
-/// Ends all plans: the bench has dropped the waiting set-points, or holds at their end.
-/// @return the trajectories that end with this.
+/// Ends all plans. Nothing is sent for this: the bench has dropped the set-points that were
+/// waiting, or carries them out and then holds.
+/// @return the trajectories that this ends.
 BrokenTrajectories BenchMotion::end_all(const std::string& reason) {
   BrokenTrajectories broken;
   for (JointPlan& plan : plans_) {

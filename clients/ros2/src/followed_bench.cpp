@@ -29,8 +29,9 @@ FollowedBench::FollowedBench(client::Session& session, Bench& bench, bridge::Rep
 void FollowedBench::on_open(const client::BenchInfo& /*info*/,
                             const std::vector<client::Axis>& axes) {
   axes_ = axes;
-  // The limits before the state, because the joints can be commanded once there is a state. This
-  // answers no waiting request, whose number is not known here.
+  // The limits are read before the state, because the joints can be commanded once there is a
+  // state. The number of the last answered request is kept: a request that is waiting now has a
+  // number not known here, and is answered by a later read.
   read_limits(bench_.seen().limits_read);
 }
 

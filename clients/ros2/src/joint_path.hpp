@@ -39,8 +39,8 @@ struct Extremes {
 [[nodiscard]] Extremes extremes(const Polynomial& polynomial, double length) noexcept;
 
 /// Times and positions in a message may be any numbers.
-/// @return whether every sum of the polynomial within [0, length] stays far below the largest
-///         double.
+/// @return whether the sizes of all terms within [0, length], added up, stay far below the largest
+///         double, so that no computation with the polynomial overflows.
 [[nodiscard]] bool is_calculable(const Polynomial& polynomial, double length) noexcept;
 
 /// A point of a trajectory for one joint.

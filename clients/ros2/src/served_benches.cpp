@@ -33,7 +33,8 @@ void ServedBenches::find(Clock::time_point now) {
   (void)roster_.take(access_.present_benches(), now);
   for (const bridge::BenchRecord& record : roster_.all()) {
     const client::BenchInfo& info = record.info;
-    // Not the rate 0 of a pause: the lead in ticks must be right when time continues.
+    // The rate 0 of a paused bench is left out: the lead in ticks must be right when time
+    // continues.
     const bool has_rate = info.clock_mode == client::ClockMode::realtime && info.rate > 0.0;
     if (record.is_served && has_rate) benches_.at(info.number).bench->set_rate(info.rate);
   }
@@ -50,7 +51,7 @@ void ServedBenches::remove(std::uint32_t number, bool is_replaced) {
   ensure(known != benches_.end(), "a bench that was added is served");
   const std::string name = known->second.bench->label();
   directory_.remove(number);
-  // Before the bench is erased, because its trajectories also end on other benches, whose joints
+  // Before the bench is erased: its trajectories may include joints of other benches, which must
   // brake.
   if (is_replaced) access_.end_run(*known->second.motion);
   benches_.erase(known);

@@ -101,7 +101,7 @@ void add_path(const Trajectory& trajectory, std::size_t joint, BenchMotion& moti
 }
 
 /// Plans the paths of a trajectory from the present positions of its joints, and checks them
-/// against the limits. One that waits is planned from its first point on.
+/// against the limits. A trajectory that waits is planned from its first point on.
 /// @param trajectory for which there is no obstacle_to()
 /// @param tolerance [rad or m] between a joint and a point at the start
 TrajectoryStart plan_start(const Trajectory& trajectory, const ServedBenches& benches,
@@ -165,7 +165,8 @@ std::string Trajectories::problem_of(const Trajectory& trajectory,
 std::string Trajectories::obstacle_to(const Trajectory& trajectory) const {
   for (std::size_t i = 0; i < trajectory.joints.size(); ++i) {
     const JointPlace& joint = trajectory.joints[i];
-    // While it waited, the bench of a joint may have gone, and the name may be on another one now.
+    // While the trajectory waited, the bench of a joint may have gone, and the name may now belong
+    // to a joint of another bench.
     const bool is_present = benches_.find_joint(trajectory.names[i]) == joint;
     const std::string problem =
         is_present ? benches_.motion_of(joint.bench).trajectory_obstacle(joint.place)
@@ -216,7 +217,7 @@ bool Trajectories::try_start(Waiting& waiting) {
     refuse(problem);
     return true;
   }
-  // One that starts later is also checked immediately, from the present positions.
+  // A trajectory that starts later is also checked immediately, from the present positions.
   const TrajectoryStart start = plan_start(trajectory, benches_, start_tolerance_);
   // Its joints may be moving differently by then: what is invalid now may be valid at the start.
   if (start.waits && waiting.is_checked) return false;
@@ -262,7 +263,8 @@ void Trajectories::break_off(const BrokenTrajectories& broken) {
     reports_.report(Severity::error, "joint trajectory",
                     known->second + ": stopped, " + one.reason);
     running_.erase(known);
-    // Also on other benches: a trajectory of two arms without one of them is a different motion.
+    // Its joints on other benches brake too: a trajectory of two arms without one of them is a
+    // different motion.
     brake_all(one.number);
   }
 }

@@ -115,7 +115,7 @@ class AxisBank {
   /// vdrive/dictionary/dictionary.hpp.
   /// @param values one for each of kStoredRows
   void read_parameters(std::size_t axis, std::span<std::int64_t> values) const noexcept;
-  /// Stores a value for an object, which takes it at the next power-up.
+  /// Stores a value that an object takes at the next power-up.
   /// @return the result of `check_stored`; nothing changes unless it is AbortCode::none.
   AbortCode set_stored(std::size_t axis, ObjectAddress object, std::int64_t value) noexcept;
   /// Clears the parameter memory of the axis and its memory error; from the next power-up on the

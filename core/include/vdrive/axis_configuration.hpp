@@ -36,7 +36,7 @@ struct AxisConfiguration {
   AxisSettings settings;
   std::int32_t initial_position = 0;     ///< [user units] at first power-up
   std::uint32_t serial_number = 0;       ///< 1018h:04
-  std::vector<InitialValue> parameters;  ///< written at every power-up; also the identity
+  std::vector<InitialValue> parameters;  ///< written at each power-up; may include 1018h (identity)
 
   /// Values that the axis stored with 1010h in an earlier run; see AxisBank::set_stored.
   std::vector<InitialValue> stored{};

@@ -16,8 +16,9 @@ enum class EventKind : std::uint32_t {
   fault_reset = 3,        ///< code: 603Fh of the fault that was reset
   refused = 4,            ///< code: reason or abort code; session: sender of the message
   set_point_ignored = 5,  ///< session: the owner
-  control_changed = 6,    ///< code: the new epoch, 0 = released or taken away; session: its owner
-  master_lost = 7,        ///< session: the one that stopped sending
+  control_changed = 6,  ///< code: the new epoch, 0 = released or taken away; session: the one that
+                        ///< gained control or, for 0, lost it
+  master_lost = 7,      ///< session: the one that stopped sending
   tick_overrun = 8,
   tick_jumped = 9,
   queue_overflow = 10,

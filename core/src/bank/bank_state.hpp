@@ -160,7 +160,7 @@ struct AxisBank::State {
   void draw_loads(const Block& block);
 
   /// Runs the part of the effects that precedes the servo step.
-  /// @param moved lanes whose frames may have moved
+  /// @param moved lanes whose position frames (drive/frame.hpp) may have been shifted
   void begin_effects(std::size_t block, std::uint64_t moved);
 
   /// Updates the heat of the motors of a block with effects.

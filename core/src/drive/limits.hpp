@@ -12,8 +12,9 @@ namespace vdrive {
 /// @return `target` [UU], limited by 607Dh if that is in force.
 [[nodiscard]] double within_software_limits(const Drive& drive, double target);
 
-/// @return `torque` [‰ of rated], limited by 6072h, 60E0h and 60E1h. Targets of torque ramps are
-///         limited too: beyond the limits a ramp would have no effect until it came back.
+/// @return `torque` [‰ of rated], limited by 6072h, 60E0h and 60E1h. The target of a torque ramp is
+///         limited too: a demand beyond the limits would have no effect, and the next ramp would
+///         first have to bring it back.
 [[nodiscard]] double within_torque_limits(const Drive& drive, double torque);
 
 /// @return whether the limit switch in `direction` (not 0) is active.

@@ -119,7 +119,7 @@ struct LimitState {
 enum class LoadLevel : std::uint8_t {
   rated,    // at most the heat at rated current
   warning,  // more: bit 7 of 6041h
-  fault,    // too much; lasts until the heat is back at that of rated current
+  fault,    // too much; lasts until the heat is back in the range of `rated`
 };
 
 /// Present faults and their effects.
@@ -208,7 +208,7 @@ struct IndexPulse {
   std::array<std::uint8_t, 7> unused{};
 };
 
-/// The origins of the frames that `shift_frame` moves: the positions that were 0 at first power-up.
+/// Present positions of the points that were at 0 at first power-up; `shift_frame` updates them.
 struct FrameOrigins {
   double motor = 0.0;  // in the frame of encoder 1 [UU]
   double load = 0.0;   // in the frame of the load [UU]

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // Symbols: v, a velocity and acceleration; V, A, D the limits of velocity, acceleration and
-// deceleration; J the jerk: that of the acceleration where v and a have the same sign, otherwise
-// that of the deceleration; w = a²/2.
+// deceleration; J the limit of the jerk: MotionJerk::acceleration where v and a have the same sign,
+// otherwise MotionJerk::deceleration; w = a²/2.
 //
 // 1. Change of velocity. While a > 0 the velocity grows, and dw/dv = a·da/dv = da/dt: the jerk is
 //    the slope of w over v. All limits are lines in this plane. On the way to the velocity u the
@@ -14,9 +14,9 @@
 //   If a < 0 at the start, a first returns to 0 with the full jerk, which takes v to the "settled"
 //   velocity v - a²/2J. If u is above it, the change continues as described above, otherwise
 //   mirrored. This also covers a start whose acceleration forces v beyond V: its settled velocity
-//   is above u = V, and the change turns back as soon as v has reached it. From a start above its
-//   cap, w falls with the full jerk down to the cap, so the cap is exceeded no longer than J makes
-//   necessary.
+//   is above u = V, so v first reaches the settled velocity, and then the mirrored change brings it
+//   back to V. From a start above its cap, w falls with the full jerk down to the cap, so the cap
+//   is exceeded no longer than J makes necessary.
 //
 // 2. Move. `stop` is the change to u = 0; it ends at P(v, a), measured from where it begins. If the
 //    target is beyond the end of a stop that begins now, the axis first heads for u = +V and stops
@@ -35,10 +35,10 @@
 //   ∂P/∂a·(j - j'). With more acceleration the axis stops farther ahead (∂P/∂a >= 0), and j >= j',
 //   since both jerks have the same bounds there and the change takes the highest. Where j = j' (the
 //   fall to u, the return into limits) τ does not matter. So the instant is the root of a monotonic
-//   function, found piece by piece and, within a piece, by the secant of its bracket. This also
-//   produces two pieces of deceleration with a weaker one in between when the target is just beyond
-//   the end of the stop: the change to +V is left while a < 0. An overshoot forced by J is a stop
-//   that ends beyond the target: u = -V.
+//   function, found piece by piece and, within a piece, by the secant of its bracket.
+//   If a < 0 at the start and the target is just beyond the end of a stop, the change to +V is left
+//   before a is back at 0: the axis brakes, brakes less, and brakes harder again. An overshoot
+//   forced by J is a stop that ends beyond the target: u = -V.
 //
 // 3. At most twelve segments. A change has at most two pieces for the return of a to 0 (the jerk
 //    may change at v = 0), and at most five for the rises, caps and falls on both sides of v = 0:
@@ -47,12 +47,15 @@
 //    above a cap, its first piece is a fall instead of the rise. A stop has two pieces plus three,
 //    but only three if it begins at (±V, 0) or if a already brakes.
 //   With a cruise there are 2 + 5 + 1 + 3 = 11 pieces. Without one, the stop begins within a piece
-//   of the change (pieces of the stop in brackets): in the return, after at most 2, where a brakes
-//   (3); on the first side after at most 2 + 2 (2 + 3); or on the second side after at most 2 + 4,
-//   with v and a of the same sign, so that a returns in one piece (1 + 3). That is 5, 9 and 10,
-//   plus one where the stop holds its velocity because no floating-point number equals the exact
-//   leaving time. The twelfth is for rounding: where the fall to u begins at v = 0 and a is A to
-//   the last bit, a rise or a cap of almost no length may precede the fall.
+//   of the change:
+//   - in the return of a to 0: at most 2 pieces of the change, and 3 of the stop, because a already
+//     brakes; 5 in all;
+//   - on the first side of v = 0: at most 2 + 2, and 2 + 3 of the stop; 9 in all;
+//   - on the second side: at most 2 + 4, and 1 + 3 of the stop, because v and a have the same sign,
+//     so that a returns in one piece; 10 in all.
+//   One more is needed where the stop holds its velocity because no floating-point number equals
+//   the exact leaving time. The twelfth is for rounding: where the fall to u begins at v = 0 and a
+//   is A to the last bit, a rise or a cap of almost no length may precede the fall.
 #include "vdrive/motion/jerk_profile.hpp"
 
 #include <algorithm>

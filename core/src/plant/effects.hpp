@@ -44,7 +44,7 @@ struct alignas(64) EffectState {
   Lane brake_impulse;  // its effect on the velocity of a sub-step [UU/s]
   Lane powered;        // ServoState::powered of the last tick
   Lane brake_ticks;    // since the power stage was switched, until the brake has followed
-  Lane motor_origin;   // position that was 0 at first power-up, in the frame of the motor [UU]
+  Lane motor_origin;   // Origins::motor [UU]
   Lane lower_stop;     // in the frame of the load [UU]
   Lane upper_stop;     // in the frame of the load [UU]
   Lane motor_noise;    // of encoder 1 now [UU]
@@ -90,7 +90,7 @@ void design_effects(const AxisModel& model, const Gear& gear, const EffectDesign
 void start_effects(const AxisModel& model, std::uint64_t axis, std::size_t lane,
                    EffectBlock& block) noexcept;
 
-/// The origins of the frames of an axis: the positions that were 0 at first power-up [UU].
+/// The present positions, in their frames, of the points that were at 0 at first power-up [UU].
 struct Origins {
   double motor = 0.0;
   double load = 0.0;

@@ -123,8 +123,8 @@ template <bool kGeneral>
   return uneven != 0.0 ? torque + uneven : torque;
 }
 
-/// @return the position to which a step takes a load between the end stops. The load stays at a
-///         stop, without rebound; from beyond a stop it can only move back.
+/// @return where a step from `from` to `to` ends for a load with end stops: it stays at a stop,
+///         without rebound; from beyond a stop it can only move back.
 [[gnu::always_inline]] inline double between_stops(const EffectState& s, std::size_t l, double from,
                                                    double to) {
   const double highest = from > s.upper_stop[l] ? from : s.upper_stop[l];

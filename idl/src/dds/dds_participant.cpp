@@ -202,8 +202,8 @@ dds::DomainParticipantQos participant_qos(const NetworkSettings& settings, const
   if (names->has_names() && guard == nullptr) {
     throw NetworkError("host names can be used only with the guard (NetworkSettings::guard)");
   }
-  // After losing a server, the library sends to an address of that server that it has not announced
-  // to its transport; see HostNames.
+  // After losing a server, the library sends to an address of that server without having announced
+  // the address to its transport; see HostNames.
   const bool is_redirected = names->has_names() || !settings.discovery_servers.empty();
   const auto redirecting = is_redirected ? names : nullptr;
   qos.name(name.c_str());

@@ -46,10 +46,10 @@ DdsWriter::DdsWriter(DdsEntities& parent, const std::string& name, const dds::Ty
 }
 
 DdsWriter::~DdsWriter() {
-  // Empty the history first. When Fast DDS 2.9 deletes a writer (RTPSWriter::deinit), it frees
-  // unacknowledged samples that are still in the history, and the heartbeat timer, which still
-  // runs, reads their numbers there. It may then count a gap of up to 2^63 samples, and the
-  // deletion never ends. Fast DDS 3.1 holds the lock of the writer during the deletion.
+  // Empty the history first. When Fast DDS 2.9 deletes a writer (RTPSWriter::deinit), it frees the
+  // unacknowledged samples in the history while the heartbeat timer still runs and reads their
+  // numbers there. The timer may then count a gap of up to 2^63 samples, and the deletion never
+  // ends. Fast DDS 3.1 holds the lock of the writer during the deletion.
   std::size_t removed = 0;
   const auto deletion = entities_.erase();
   writer_->clear_history(&removed);

@@ -52,7 +52,7 @@ class DdsWriter final : public SampleWriter, public dds::DataWriterListener {
   dds::DataWriter* writer_ = nullptr;
   bool forgets_ = false;       ///< reliable and volatile: late readers get no earlier samples
   std::mutex writing_;         ///< if forgets_: no write between the check and the removal
-  std::uint32_t writes_ = 0;   ///< since the last removal, while one is due
+  std::uint32_t writes_ = 0;   ///< since the last removal or wait; counted while a removal is due
   Clock::time_point written_;  ///< time of the last write
   Clock::time_point removed_;  ///< last time at which everything was acknowledged
   /// Time at which the last reader joined.

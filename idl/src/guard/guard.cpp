@@ -86,7 +86,8 @@ void Guard::receive(Receiver& channel, ByteView datagram, const Locator& local,
   }
   const auto now = Clock::now();
   std::vector<std::uint8_t> renumbered;
-  // Also for datagrams held back: the first heartbeat of a writer shows where its numbers start.
+  // Datagrams that are held back below are read too: the first heartbeat of a writer shows where
+  // its numbers start.
   const auto readable =
       with_plausible_numbers(datagram.first(report.length), now, remote, renumbered);
   if (keeps_leases_) {

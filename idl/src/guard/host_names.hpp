@@ -19,12 +19,13 @@ namespace vdrive::wire {
 /// a name may change its address at any time. So the library gets a stand-in for each name, an
 /// address from 240.0.0.0/4 that no host has (RFC 1112, clause 4), and what it sends there goes to
 /// the present addresses of the name. The same applies to datagrams for a former address of a
-/// server: Fast DDS 2.9 answers a server that has moved at its previously announced address
-/// (PDPClient::removeRemoteEndpoints). These datagrams leave from sockets of this object, because
-/// the library keeps statistics by address, and Debian's build of 2.9 crashes at an address that
-/// was never announced to it (OutputTrafficManager::set_statistics_message_data). The library
-/// breaks this rule itself: it sends to such an address on the host of a discovery server that it
-/// has given up. Thread-safe.
+/// server: when a server has moved, Fast DDS 2.9 still sends its answers to the address that the
+/// server announced before (PDPClient::removeRemoteEndpoints). These datagrams leave from sockets
+/// of this object, because the library keeps statistics by address, and Debian's build of 2.9
+/// crashes at an address that was never announced to it
+/// (OutputTrafficManager::set_statistics_message_data). After giving up a discovery server, the
+/// library itself sends to an unannounced address on the host of that server; these datagrams leave
+/// from here too. Thread-safe.
 class HostNames {
  public:
   using Addresses = std::vector<std::string>;

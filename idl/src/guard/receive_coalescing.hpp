@@ -7,8 +7,8 @@
 namespace vdrive::wire {
 
 /// Decides how long a channel that was idle sleeps after a datagram, so that the following ones
-/// collect in its socket and one wakeup serves many. A pause gets shorter as more arrives in it:
-/// the socket's buffer must never be the limit. For one thread.
+/// collect in its socket and one wakeup serves many. The more arrives in a pause, the shorter the
+/// next one is: the socket's buffer must never be the limit. For one thread.
 class ReceiveCoalescing {
  public:
   using Clock = std::chrono::steady_clock;
@@ -16,8 +16,8 @@ class ReceiveCoalescing {
   /// Bytes that may collect in a pause. The kernel's default buffer holds three times as many.
   static constexpr std::size_t kMostOfPause = 64U * 1024U;
 
-  /// A datagram that arrived later than this after the previous one was processed was not yet in
-  /// the socket then.
+  /// A datagram that is received more than this long after the channel began to receive again was
+  /// not waiting in the socket: the channel was idle.
   static constexpr std::chrono::microseconds kIdle{100};
 
   /// @param longest pause; 0 = none

@@ -14,13 +14,13 @@ namespace vdrive::wire {
 ///
 /// Such a participant may not have noticed anything: it was suspended, or the network path was
 /// interrupted. It still considers everything that it sent earlier received. 70 ms after the
-/// library has matched a writer, it sends it an ACKNACK with number 0, and the writer then sends
-/// everything again. But if a heartbeat arrives before that, the library requests individual
+/// library has matched a writer, it sends that writer an ACKNACK with number 0, and the writer then
+/// sends everything again. But if a heartbeat arrives before that, the library requests individual
 /// samples, and the writer ignores requests for samples that were once acknowledged
 /// (`ReaderProxy::acked_changes_set` and `requested_changes_set` of Fast DDS 2.9.1; 3.1 starts with
 /// the same ACKNACK, `WriterProxy::perform_initial_ack_nack`). The two then no longer find each
-/// other's endpoints. So a heartbeat of a writer of such a participant is held back until the
-/// ACKNACK with number 0 for it has been sent.
+/// other's endpoints. So heartbeats of a writer of such a participant are held back until the
+/// ACKNACK with number 0 has been sent to that writer.
 ///
 /// Time is an argument. Not thread-safe.
 class ReturnedParticipants {

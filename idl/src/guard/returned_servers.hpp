@@ -10,8 +10,8 @@
 
 namespace vdrive::wire {
 
-/// Discovery servers that were restarted before the library had given up their previous run, here
-/// the former server.
+/// Discovery servers that were restarted before the library had given up their previous run, which
+/// is called the former server here.
 ///
 /// A server has the same prefix after a restart, even on another host, so the library takes it for
 /// the one that it knows: its reader waits for numbers after those of the former server, and its
@@ -26,8 +26,8 @@ class ReturnedServers {
  public:
   using Clock = std::chrono::steady_clock;
 
-  /// A smaller count that arrives this soon after a larger one has merely been overtaken: datagrams
-  /// come through several interfaces and threads.
+  /// If a smaller count arrives this soon after a larger one, it has merely been overtaken:
+  /// datagrams come through several interfaces and threads.
   static constexpr std::chrono::seconds kMostOvertaken{1};
   /// Upper limit of holding back, whatever lease the server announced: its counts may be forged.
   static constexpr std::chrono::seconds kLongestWait{30};

@@ -40,11 +40,11 @@ namespace vdrive::wire {
 /// Readers of participants that no longer answer, for networks in which a discovery server reports
 /// who has gone.
 ///
-/// While no server answers, nobody reports that. A reliable writer then keeps what the readers of a
-/// participant that has ended never acknowledge, and once its history is full, it accepts no sample
-/// for anybody. So what such a participant has not acknowledged is acknowledged on its behalf once
-/// it has sent nothing for kPatienceWithVdrive. Without a server the guard removes a participant
-/// after the same time, and its samples are dropped too.
+/// While no server answers, nobody reports that. A reliable writer then keeps the samples that the
+/// readers of an ended participant never acknowledge, and once its history is full, it accepts no
+/// sample for anybody. So once a participant has sent nothing for kPatienceWithVdrive, everything
+/// is acknowledged on its behalf. In a network without a server, the guard removes a participant
+/// after the same time, which frees the samples too.
 ///
 /// Only participants that the library knows are followed, and not their built-in endpoints. Time is
 /// an argument. Not thread-safe.

@@ -131,14 +131,16 @@ bool WriterNumbers::is_plausible(const Numbers& numbers, const Writer& writer) {
   if (numbers.is_data()) {
     return numbers.last <= writer.highest + (writer.is_reliable ? kReach : kReachOfBestEffort);
   }
-  // A heartbeat skips all numbers before its first; a gap skips all between its first and its base.
+  // A heartbeat skips all numbers before its first number; a gap skips all from its first number up
+  // to its base.
   return numbers.last <= writer.highest + kReach &&
          (!numbers.is_heartbeat() || numbers.first <= writer.done + 1 + kReach);
 }
 
 bool WriterNumbers::has_jumped(const Numbers& numbers, Writer& writer, Clock::time_point now) {
-  // If the first heartbeat of a writer was lost, the library has read its large numbers unchanged.
-  // A heartbeat that does not fit the data is doubted like any other.
+  // This is the first heartbeat or gap of a writer of which only data was heard: an earlier
+  // heartbeat may be lost, in which case the library has read large numbers unchanged and must
+  // start over at once. Numbers that do not fit the data are doubted as usual.
   const bool fits_data =
       numbers.last <= writer.highest + kReach && numbers.last + kReach >= writer.highest;
   if (!writer.is_reliable && !numbers.is_data() && fits_data) return true;
@@ -150,16 +152,16 @@ bool WriterNumbers::has_jumped(const Numbers& numbers, Writer& writer, Clock::ti
 /// Records plausible numbers of a writer.
 /// @return false if they would make the library skip too many numbers in this second.
 bool WriterNumbers::take(const Numbers& numbers, Writer& writer, Clock::time_point now) {
-  // Data proves nothing about a writer that sends heartbeats: without those, nothing is
-  // acknowledged.
+  // For a writer that sends heartbeats, plausible data does not end a doubt: if its heartbeats are
+  // refused, nothing is acknowledged.
   if (!writer.is_reliable || !numbers.is_data()) writer.doubted = {};
   writer.is_reliable = writer.is_reliable || !numbers.is_data();
   writer.highest = std::max(writer.highest, numbers.last);
   const std::int64_t done = numbers.is_heartbeat() ? std::max(writer.done, numbers.first - 1)
                                                    : writer.done + numbers.skipped;
   if (done != writer.done && !may_skip(done - writer.done, now)) return false;
-  // A gap may skip numbers further on: only an acknowledgement shows that the library has got
-  // there.
+  // A gap may skip numbers that the library has not reached yet: only an acknowledgement shows that
+  // it has.
   if (numbers.is_heartbeat()) writer.done = done;
   return true;
 }

@@ -45,8 +45,9 @@ void require_same_build(void* library, const std::filesystem::path& file) {
                      "\". Install both from one build; a bench in this process needs no DDS");
 }
 
-/// The module and the shared object each have their own copy of the code that both contain, so that
-/// code must not keep state for both. Never unloads it, because the DDS library has threads.
+/// The module and the shared object contain some of the same code, each in its own copy: such code
+/// must not keep state for both. Never unloads the shared object, because the DDS library has
+/// threads.
 ParticipantMaker load() {
   const std::filesystem::path file = own_file().parent_path() / kFile;
   void* const library = dlopen(file.c_str(), RTLD_NOW | RTLD_LOCAL | RTLD_NODELETE);

@@ -292,7 +292,7 @@ constexpr auto kAxisRows = std::to_array<Row<NamedAxis>>({
                           "Unique, no spaces, no digit first. Default: axis and its number.",
                           {.then = check_axis_name}),
     key<&NamedAxis::unit>("unit", Any{}, {}, {.describe = settings::describe_unit}),
-    // Not printed itself: the keys that follow from it are.
+    // `mechanics` is not printed; the keys that follow from it are.
     {.key = "mechanics", .then = read_mechanics, .describe = describe_mechanics},
     {.key = "initial_position",
      .what =

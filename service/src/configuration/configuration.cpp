@@ -20,9 +20,9 @@ void check_range(const char* what, double value, double lowest, double highest, 
   }
 }
 
-/// Without shared memory, threads only in lock-step and freerun, and only if all programs are on
-/// this host and need no credentials: programs elsewhere could send data that crashes the wire, and
-/// with it the service.
+/// Without shared memory the wire runs in threads only in lock-step and freerun, and only if all
+/// programs are on this host and need no credentials: programs elsewhere could send data that
+/// crashes the wire, and with it the service.
 WireForm default_wire_form(const Configuration& configuration) noexcept {
   const wire::NetworkSettings& network = configuration.network;
   if (network.shared_memory) return WireForm::thread;  // the process form must not open files

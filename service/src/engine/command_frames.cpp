@@ -106,8 +106,8 @@ bool CommandFrames::answer_repeat(const msg::CommandFrame& frame) {
 
 Reason CommandFrames::check(const Arrival& arrival, const SessionRecord& record) const {
   const auto& frame = arrival.frame;
-  // Commands keep their order: one older than the last accepted one is too late. Keep-alives do not
-  // count, so a command that they overtook still acts.
+  // Commands keep their order: a command older than the last accepted one is too late. A keep-alive
+  // does not count, so a command that it overtook still acts.
   if (frame.sequence_number <= record.last_command) return msg::Reason::too_late;
   if (record.epoch == 0 && frame.epoch == 0) return msg::Reason::not_owner;
   if (frame.epoch != record.epoch) return msg::Reason::stale_epoch;

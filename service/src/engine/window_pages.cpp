@@ -20,8 +20,8 @@ constexpr std::size_t kMostObjects = msg::MAX_OBJECTS_PER_REQUEST;
 /// An entry, preceded by up to three marks: its tick, its author and its session.
 constexpr std::size_t kItemWithMarks = 4;
 
-/// @return whether a state lists the value of the object. It lists every object that may have been
-///         written before it.
+/// @return whether the object is among those whose values are shown for Item::state: all that may
+///         have been written before it.
 constexpr bool is_shown(const ObjectDescription& row) noexcept {
   return row.access == Access::read_write && row.change != Change::memory;
 }
@@ -92,7 +92,8 @@ void WindowPages::go_to(const WindowPage& page) {
   while (item_ != Item::end && place_ < page.place) advance();
 }
 
-/// Goes to the next item. Each value of a state counts as one item, and its statuses as another.
+/// Goes to the next item. Of an Item::state each value counts as one item, and all statuses
+/// together as one more.
 void WindowPages::advance() {
   ++place_;
   if (item_ == Item::state && value_ < kShownRows.size() * page_.axes.size()) {

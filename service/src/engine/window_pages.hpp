@@ -38,7 +38,7 @@ class WindowPages {
   WindowPage page_;                     ///< the last one
   std::uint64_t place_ = 0;             ///< items before the present one
   WindowReplay::Item item_{};
-  std::size_t value_ = 0;         ///< of a state: how many values were shown
+  std::size_t value_ = 0;         ///< of Item::state: how many values were shown
   bool has_context_ = false;      ///< the page has marks that still apply
   std::uint64_t shown_tick_ = 0;  ///< of these marks
   std::optional<JournalAuthor> shown_author_;

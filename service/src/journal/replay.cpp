@@ -204,8 +204,8 @@ class Replay {
     return "axis " + std::to_string(named.number) + " (" + named.name + ")";
   }
 
-  /// @return the first axis (or row of axes) and the first member that differ; or that the recorded
-  ///         checks do not show them.
+  /// @return a text that names the first axis (or row of axes) and the first member that differ, or
+  ///         says that the recorded checks do not show which they are.
   [[nodiscard]] std::string place_of(const StatusDigest& digest, const JournalTick& tick) const {
     const auto row =
         static_cast<std::size_t>(std::ranges::mismatch(rows_, tick.rows).in1 - rows_.begin());

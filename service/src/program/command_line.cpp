@@ -381,10 +381,10 @@ void end_in_time(int exit_code) {
 }
 
 int serve(const Configuration& configuration, const Arguments& arguments) {
-  // Blocked before the first thread starts, so that only this thread receives them.
+  // The signals are blocked before the first thread starts, so that only this thread receives them.
   const sigset_t signals = stop_signals();
   pthread_sigmask(SIG_BLOCK, &signals, nullptr);
-  // Also before the first thread starts, because the spawner is forked here.
+  // WireHost forks the spawner, so it too is made before the first thread starts.
   const bool has_process = effective_wire_form(configuration) == WireForm::process;
   WireSettings settings = wire_settings(configuration);
   settings.log_level = arguments.log_level;

@@ -60,9 +60,9 @@ class ParameterStore {
   [[nodiscard]] LoadedParameters load();
 
   /// Replaces the stored parameters. When it returns, the new ones are durable. Whatever happens in
-  /// between, either the previous or the new table is complete on disk. After an error, the new
-  /// table is the stored one only if the replacement could not be reverted, or if power fails
-  /// before the next save.
+  /// between, either the previous or the new table is complete on disk. After an error the previous
+  /// table is the stored one, unless the replacement could not be reverted, or power fails before
+  /// the next save: the reversal itself is not synced.
   /// @throws std::system_error if a file cannot be written, synced or renamed
   void save(const ParameterTable& table);
 

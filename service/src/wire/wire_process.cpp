@@ -229,8 +229,8 @@ int run_wire_process(int region_descriptor) {
     spdlog::set_level(spdlog::level::from_str(settings.log_level));
     const wire::LibraryLog library_log(log_of_the_library(settings.bench));
     if (control.generation.load() > 1) {
-      // The previous wire could not announce its end; until participants notice it, answers would
-      // wait for their readers.
+      // The previous wire could not announce its end. Announce it now: until participants remove
+      // it, their reliable writers wait for its readers, which no longer acknowledge anything.
       wire::announce_end(settings.network, control.source);
       wire::announce_end(settings.network, control.prober);
     }

@@ -76,8 +76,8 @@ WireProgram::WireProgram(const WireRegion& region, const WireSettings& settings)
     const bool is_optional = topic == Topic<msg::BenchSession>::kId;  // see exchange_names()
     if (wire::kTopics[number].publisher == wire::Publisher::service && !is_optional) publish(topic);
   }
-  // Only if a second bench could have this number: with a thousand benches on one bus, each would
-  // receive the states of all others.
+  // The states of other services are needed only if a second bench could have this number: with a
+  // thousand benches on one bus, each would receive the states of all others.
   if (participant_->presence().may_have_double()) {
     subscribe(Topic<msg::BenchState>::kId, Lane::notices);
   }
@@ -96,7 +96,7 @@ void WireProgram::publish(TopicId topic) {
 }
 
 /// A bench whose permissions are older than these topics still runs, but without names of sessions.
-/// A service only publishes names that it has received.
+/// Neither topic is of use without the other: a service only publishes names that it has received.
 void WireProgram::exchange_names() {
   try {
     publish(Topic<msg::BenchSession>::kId);

@@ -36,7 +36,8 @@ struct BoundedSide {
   Real w_cap = 0.0L;
   Real jerk = 0.0L;
 
-  /// At a corner of the cap, the rounding error of the velocity times the jerk must not count.
+  /// @return w at a velocity; the cap if the difference is only rounding: the jerk times the
+  ///         rounding error of the velocity.
   [[nodiscard]] Real w(Real velocity) const {
     const Real change = jerk * (velocity - begin);
     const Real most = std::min({w_begin + change, w_end + jerk * (end - velocity), w_cap});

@@ -53,8 +53,8 @@ class ExactPath {
 /// @return the velocity at which the acceleration reaches 0 if it is reduced from now on.
 [[nodiscard]] long double settled_velocity(const ExactState& state, const MotionJerk& jerk);
 
-/// @return the fastest change to the velocity `target`, as the largest a²/2 over v that every bound
-///         allows; uses none of the planner's case distinctions.
+/// @return the fastest change to the velocity `target`: at each velocity on the way it has the
+///         largest a²/2 that every bound allows. Uses none of the planner's case distinctions.
 [[nodiscard]] ExactPath fastest_change(const ExactState& start, long double target,
                                        const MotionLimits& limits, const MotionJerk& jerk);
 

@@ -426,7 +426,8 @@ int BenchNodes::copies_now(const FrameFate& fate, const LateFrame& frame) {
   return 0;
 }
 
-/// Only with a new tick: in real time no other moment is reproducible.
+/// Called only with a new tick: in real time, a fault that begins or ends at any other moment would
+/// not be reproducible.
 void BenchNodes::follow_faults() {
   for (const auto& slot : slots_) slot->follow_faults();
 }

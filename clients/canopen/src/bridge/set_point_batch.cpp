@@ -43,7 +43,8 @@ client::SetPoint* SetPointBatch::newest_of(std::uint16_t axis) {
   return &frames_[place->second.frame].axes[place->second.set_point];
 }
 
-/// Adds a set-point of the axis to the frame after that of its newest one, or to the first frame.
+/// Adds a set-point of the axis: to the frame that follows its newest set-point, or to the first
+/// frame if it has none.
 client::SetPoint& SetPointBatch::next_of(std::uint16_t axis) {
   const auto place = newest_.find(axis);
   const std::size_t frame = place == newest_.end() ? 0 : place->second.frame + 1;

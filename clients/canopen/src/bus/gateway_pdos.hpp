@@ -19,8 +19,8 @@ namespace vdrive::canopen {
 using PdoRefusal = std::variant<std::monostate, GatewayError, AbortCode>;
 
 /// The PDOs that a session of the gateway has configured (CiA 309-3, "PDO access"): it receives
-/// RPDOs, which are TPDOs of nodes, and sends TPDOs. The size of a mapped object is that in the
-/// dictionary of our nodes; 0002h to 0007h have the size of the data type of that index.
+/// RPDOs, which are TPDOs of nodes, and sends TPDOs. A mapped object has the size that it has in
+/// the dictionary of our nodes; 0002h to 0007h have the size of the data type with the same index.
 class GatewayPdos final {
  public:
   /// Carries out "set rpdo" or "set tpdo"; a PDO with the same number is replaced.

@@ -35,7 +35,7 @@ struct TcpAcceptor::State final : std::enable_shared_from_this<TcpAcceptor::Stat
       AsioError ignored;
       // Small writes do not wait for the acknowledgement of earlier ones.
       socket.set_option(tcp::no_delay(true), ignored);
-      // Otherwise a machine that was switched off would keep its place.
+      // Without keep-alive, a machine that was switched off would keep its place.
       socket.set_option(asio::socket_base::keep_alive(true), ignored);
       self->server.serve(std::move(socket));
       // That call may have closed the server.

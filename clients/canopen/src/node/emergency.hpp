@@ -31,8 +31,8 @@ namespace vdrive::canopen {
 /// has cleared 603Fh. A heartbeat error lasts until all producers are heard again. A PDO or SYNC
 /// error, such as 8210h, lasts until a correct frame arrives, the parameters change, or the NMT
 /// state changes; 8140h ends as soon as it is sent. When the last error is over, 0000h is sent
-/// unless the drive has a fault. The drive reacts to a heartbeat error with a fault of the same
-/// code (6007h): that fault is not sent again while the heartbeat error lasts.
+/// unless the drive has a fault. A fault with which the drive reacts to a heartbeat error (by
+/// 6007h) has the same code, 8130h: it is not sent again while the heartbeat error lasts.
 ///
 /// 1003h records every error (CiA 301, 7.5.2.4), including those whose message the inhibit time or
 /// 1014h has held back. It is cleared when the node or its drive powers up.

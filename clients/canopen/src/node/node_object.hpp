@@ -86,7 +86,7 @@ enum class ObjectCode : std::uint8_t { variable = 0x7, array = 0x8, record = 0x9
 struct NodeObject {
   ObjectAddress address;
   std::string_view name;        ///< ASCII, without ';' and '#'
-  std::string_view index_name;  ///< name of the index; of a variable, that of its :00
+  std::string_view index_name;  ///< name of the index; for a variable, the name of its :00
   ObjectCode code = ObjectCode::variable;
   NodeDataType data_type = NodeDataType::unsigned32;
   NodeAccess access = NodeAccess::read_only;

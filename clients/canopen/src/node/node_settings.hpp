@@ -35,7 +35,7 @@ struct NodeSettings {
   std::string_view device_name = "vdrive";  ///< 1008h
   std::string_view hardware_version = "1";  ///< 1009h
   std::string_view software_version = "0";  ///< 100Ah
-  /// With stepped SYNC: the only value of 1006h other than 0 [us]; none = any.
+  /// With stepped SYNC: the period that 1006h accepts besides 0 [us]; none = any.
   std::optional<std::uint32_t> sync_period{};
 };
 

@@ -53,7 +53,7 @@ class Pdos {
  public:
   /// All objects get their defaults of node_objects().
   /// @param host outlives the PDOs
-  /// @param sync_period the only value of 1006h other than 0 [us]; none = any
+  /// @param sync_period that 1006h accepts besides 0 [us]; none = any
   Pdos(std::uint8_t node_id, PdoHost& host, std::optional<std::uint32_t> sync_period);
 
   /// @return whether `object` is one that Pdos holds.

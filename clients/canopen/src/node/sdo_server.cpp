@@ -182,7 +182,7 @@ void SdoServer::initiate_download(const Frame& request, DriveTime now) {
   if (target.abort != AbortCode::none) return send_abort(object, target.abort);
   const std::uint8_t flags = request.data[0];
   if ((flags & kExpedited) == 0) return initiate_segments(request, target, now);
-  // If no size is indicated, that of the object applies.
+  // If no size is indicated, the size of the object applies.
   const std::size_t size =
       (flags & kSizeIndicated) != 0 ? kExpeditedData - (flags >> 2U & 0x03U) : target.size;
   if (const AbortCode code = check_size(size, target.size); code != AbortCode::none) {

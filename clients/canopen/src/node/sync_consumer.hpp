@@ -26,7 +26,7 @@ struct SyncReception {
 class SyncConsumer {
  public:
   /// Starts with the defaults of the dictionary.
-  /// @param period the only value of 1006h other than 0 [us]; none = any
+  /// @param period that 1006h accepts besides 0 [us]; none = any
   explicit SyncConsumer(std::optional<std::uint32_t> period);
 
   [[nodiscard]] static bool has(ObjectAddress object) noexcept;
@@ -43,7 +43,7 @@ class SyncConsumer {
   /// @pre has(object)
   /// @return value_range_exceeded for a COB-ID with any of bits 11 to 29, the producer bit 30, or a
   ///         restricted CAN-ID (bit 31 has no meaning and is kept as written); for a period that is
-  ///         neither 0 nor that of the constructor; for an overflow value other than 0 and 2 to
+  ///         neither 0 nor the one of the constructor; for an overflow value other than 0 and 2 to
   ///         240; refused_in_present_device_state for a change of the overflow value while 1006h is
   ///         not 0; otherwise none: the value is in force.
   AbortCode write(ObjectAddress object, std::uint32_t value);

@@ -73,7 +73,8 @@ interface Press {
 /** @param text as written by the gateway */
 const sessionOf = (text: string): bigint => BigInt(`0x${text.replace(/^0x/, "")}`);
 
-/** A bench with the newest status of all its axes: arrays by the names of the core. */
+/** A bench with the newest status of all its axes: for each member of the status, by its name in the core, an array
+ *  with one value per axis. */
 export class Bench {
   private described?: BenchDescription;
   private readonly axes = new Map<number, AxisDescription>();
@@ -545,7 +546,8 @@ export class Model {
     const before = this.presses.get(control);
     for (const [other, { at }] of this.presses) if (now - at >= SECOND_PRESS_MS) this.presses.delete(other);
     const isSecond = before !== undefined && before.values === values && now - before.at < SECOND_PRESS_MS;
-    if (!isSecond) this.presses.set(control, { values, at: now }); // repeated presses do get through
+    // A press that is left out does not restart the time, so somebody who keeps pressing gets through.
+    if (!isSecond) this.presses.set(control, { values, at: now });
     return isSecond;
   }
 

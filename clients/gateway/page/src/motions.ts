@@ -59,7 +59,7 @@ export class Motions {
   }
 
   /** @return the end positions of the axes in the request [UU]; undefined for a relative move, and for a resumed
-   *          motion that others started, whose 607Ah may be a distance */
+   *          motion that others started: its 607Ah may be a distance */
   private targetsOf(request: object): Map<string, number | undefined> {
     const { axis, axes = [], moves = [], position, relative } = request as MotionRequest;
     const one: [string, number | undefined][] = axis === undefined ? [] : [[axis, relative === true ? undefined : position]];

@@ -11,7 +11,8 @@ export interface Source {
   readonly isLive: boolean;
   /** axes that a scope can show */
   axes(): SampledAxis[];
-  /** @return the samples of these axes, by address, without missing ones. Live axes are received from now on. */
+  /** @return the samples of these axes, by address; an axis that does not exist has no entry. Live axes are received
+   *          from now on. */
   open(addresses: readonly string[]): Map<string, Samples>;
   readonly events: EventFeed;
   /** @return the axis on its bench; undefined for an axis of a recording */

@@ -108,7 +108,7 @@ test("lost samples are a gap in columns, too", () => {
     }
     const { x, y } = history.points(0, 3 * samples * 0.001, 200, [0]);
     const at = y[0].indexOf(null);
-    // The gap is in the middle third; a column is 1.5 % of it.
+    // The gap begins after the first third; a column has 1.5 % of the length of a third.
     assert.ok(at > 0 && Math.abs(x[at] / (samples * 0.001) - 1) < 0.02, `at ${x[at]} s`);
     assert.equal(y[0].indexOf(null, at + 1), -1, "only one gap");
   }

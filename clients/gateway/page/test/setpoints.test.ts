@@ -39,7 +39,7 @@ test("in another mode or state, and under halt, the words do not show set-points
 });
 
 test("the state of homing is that of bits 13, 12 and 10 (CiA 402-2)", () => {
-  // Operation enabled, then each pair of bit 12 and bit 10, then with bit 13.
+  // Operation enabled: bits 12 and 10 in each combination, then bit 13 without and with bit 10.
   const states = [0x0237, 0x0637, 0x1237, 0x1637, 0x2237, 0x2637].map(homingState);
   assert.deepEqual(states, ["runs", "stands", "attained", "done", "error_moves", "error_stands"]);
 });

@@ -55,7 +55,7 @@ inline constexpr ObjectAddress kMotorSpeedLimit{0x5E11, 0};  ///< 6080h in user 
 /// Known values of objects, by address.
 class KnownValues {
  public:
-  /// Further ones are dropped; those that the rules need are among the first.
+  /// Further values are dropped; those that the rules need are among the first.
   static constexpr std::size_t kMost = 512;
 
   void set(ObjectAddress object, std::int64_t value);

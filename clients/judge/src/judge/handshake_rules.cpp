@@ -144,7 +144,8 @@ void HandshakeRules::fall(std::uint16_t word, const Context& context) {
 /// A controlword with bit 4 still set.
 void HandshakeRules::stay(const Write& write, const Context& context) {
   if (targets_without_edge_ == 0 || !edge_ || !edge_->is_acknowledged) return;
-  if (!context.track.is_in(OperatingMode::profile_position)) return;  // a level or unused there
+  // In other modes bit 4 is a level or unused.
+  if (!context.track.is_in(OperatingMode::profile_position)) return;
   // A PDO repeats its controlword each cycle, also while the master prepares its next target.
   const bool is_meant = write.channel != Channel::pdo;
   if (!is_meant && context.now() - first_without_edge_ < kAcknowledgeTime) return;

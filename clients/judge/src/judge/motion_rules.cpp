@@ -19,7 +19,7 @@ using namespace std::chrono_literals;
 
 constexpr std::int64_t kStepsOfAJump = 20;  // a jump is this many times the longest step
 constexpr std::uint32_t kStepsToKnow = 10;
-constexpr Time kStandingTarget = 1s;      // an older one is not streamed
+constexpr Time kStandingTarget = 1s;      // an older target is not streamed
 constexpr std::int64_t kCertainStep = 4;  // [user units]: after such a step, a new target is due
 constexpr double kGap = 1.5;              // [periods]
 constexpr double kPause = 20;             // [periods]: the stream has ended, and another one starts

@@ -24,7 +24,7 @@ constexpr Time kNoSync = 1s;
 constexpr std::uint32_t kCyclesOfAStream = 50;
 constexpr std::uint64_t kSyncsToJudge = 100;
 constexpr double kPeriodTolerance = 0.1;
-constexpr std::uint64_t kIrregularOf = 20;  ///< more than one irregular SYNC in this many counts
+constexpr std::uint64_t kIrregularOf = 20;  ///< SYNCs, of which at most one may be irregular
 
 /// Objects that command motion: if two writers write them, there are two masters.
 bool is_command(ObjectAddress object) {

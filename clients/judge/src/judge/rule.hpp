@@ -118,7 +118,7 @@ struct RuleRow {
   std::string_view title;  ///< the mistake of the master, without a full stop
   Severity severity = Severity::error;
   std::string_view clause;    ///< of CiA 402, CiA 301 or the manual
-  std::string_view expected;  ///< correct behaviour; for a warning, also the drives it is wrong on
+  std::string_view expected;  ///< correct behaviour; for a warning, also which drives require it
   std::string_view remedy;    ///< what to do about it
   std::string_view wrong;     ///< an example
   std::string_view right;

@@ -125,7 +125,7 @@ class JournalJudge final : public service::ReplayObserver {
     const std::uint32_t ignored = bank.ignored_set_points(change.axis);
     const bool is_ignored = ignored != std::exchange(ignored_[change.axis], ignored);
     if (is_test_input(change.address)) return;
-    // A write without an author is one of the bench, which stops its axes only when it ends.
+    // Only the bench writes without an author: it stops its axes, so the run is over.
     is_over_ = is_over_ || (has_authors_ && author_.means == JournalAuthor::Means::none);
     take(change.axis, Write{.object = change.address,
                             .value = change.value,

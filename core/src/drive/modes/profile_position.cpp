@@ -99,8 +99,9 @@ bool times_fit(const Drive& drive, const SetPoint& set_point) {
          2.0 * times.jerk <= std::min(times.acceleration, times.deceleration);
 }
 
-/// Changes to the frame in which a synchronous move with times for its own distance will start.
-/// Before that, the distance to an absolute target is not known, and the move cannot be checked.
+/// Prepares a synchronous move with times for its own distance: rebases the positions and puts the
+/// demand at rest, as at the start of the move. Only then is the distance to an absolute target
+/// known, so that can_start() can check the move.
 void enter_frame(Drive& drive, const SetPoint& set_point) {
   if (is_timed(set_point) && times_fit(drive, set_point)) {
     rebase(drive);
@@ -115,8 +116,8 @@ double way_of_times(const Drive& drive, const SetPoint& set_point, double target
                              : set_point.synchronous_move_reference_way;
 }
 
-/// @return whether `set_point` may start now, in the frame of `enter_frame`. A synchronous move
-///         must be within 607Fh, 6080h, 60C5h and 60C6h.
+/// @return whether `set_point` may start now; call after enter_frame(). A synchronous move must be
+///         within 607Fh, 6080h, 60C5h and 60C6h.
 bool can_start(const Drive& drive, const SetPoint& set_point) {
   if (!is_synchronous(set_point)) return true;
   if (!times_fit(drive, set_point)) return false;
@@ -146,7 +147,8 @@ void start(Drive& drive, const SetPoint& set_point) {
       r.set_point.limits.deceleration = 1.0;  // no distance, but halt still plans a stop
     }
   }
-  // Rebasing also moved the start of the profile: the request must not equal an earlier one.
+  // Rebasing makes the present plan invalid. A request equal to the previous one would not be
+  // planned again, so forget the previous one.
   r.request = {};
   s.modes.position.active = true;
   s.window.dwell = 0;

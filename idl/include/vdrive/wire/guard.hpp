@@ -26,7 +26,7 @@ enum class Refusal : std::uint8_t {
   announcement,  ///< an announcement without a lease or in the name of another participant
   participants,  ///< more participants than the guard keeps (4,096)
   security,      ///< an encrypted part with a wrong length or order
-  handshake,     ///< a token or handshake message in pieces, or with a count or length beyond it
+  handshake,     ///< a fragmented token or handshake message, or a count or length beyond its end
   unprotected,   ///< in the closed mode: unencrypted content that must be encrypted
   jump,          ///< a sequence number far from those that its writer has sent
 };

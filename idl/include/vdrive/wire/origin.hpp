@@ -27,7 +27,7 @@ class Origin {
   [[nodiscard]] std::string problem(std::string_view what) const;
 
  private:
-  unsigned forks_;  ///< observed number of forks up to this process
+  unsigned forks_;  ///< fork count (origin.cpp) of the creating process
   pid_t process_;
 };
 

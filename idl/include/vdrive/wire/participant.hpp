@@ -75,7 +75,7 @@ class NotPermitted : public NetworkError {
 enum class LocalWork : std::uint8_t {
   none,       ///< there was no work
   done,       ///< this thread did some work
-  elsewhere,  ///< another thread is doing it, or leaves it to the next caller
+  elsewhere,  ///< another thread is doing it, but may stop before all is done: call again soon
 };
 
 /// Identifies the clock of one run of a bench.
@@ -121,7 +121,7 @@ class Participant {
   [[nodiscard]] virtual Source source() const noexcept = 0;
 
   /// Makes all participants read its announcement again. The library reads each announcement only
-  /// once, so a participant that had no room for this one would not know it until its announcement
+  /// once, so a participant that had no room for this one learns of it only when the announcement
   /// changes.
   virtual void announce_again() {}
 

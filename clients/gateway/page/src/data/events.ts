@@ -122,8 +122,8 @@ export class EventList implements EventFeed {
     ++this.version;
   }
 
-  /** Inserts earlier events by time, without duplicates. Times of benches that do not count from the epoch cannot be
-   *  compared with those of others: these events come first. */
+  /** Inserts earlier events by time, without duplicates. Times of a bench that does not count from 1970 cannot be
+   *  compared with those of other benches: its events come first. */
   merge(history: LogEvent[]): void {
     const known = new Set(this.list.map(keyOf));
     const place = ({ time }: LogEvent) => (isWallTime(time) ? time : 0);

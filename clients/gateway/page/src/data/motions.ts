@@ -93,7 +93,7 @@ export class Motion {
     return way === 0 ? 1 : Math.min(1, Math.max(0, (this.position - this.start.position) / way));
   }
 
-  /** Ignores a status from before the drive accepted the motion, which belongs to an earlier one. */
+  /** Ignores a status from before the drive accepted the motion: it belongs to an earlier motion. */
   take(status: MotionStatus): void {
     if (this.end !== undefined || status.tick < this.start.tick) return;
     this.position = status.position;

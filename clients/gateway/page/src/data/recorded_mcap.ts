@@ -57,7 +57,7 @@ export class McapReader {
   /** by address */
   private readonly axes = new Map<string, RecordedAxis>();
   private readonly names = new Map<string, string>();
-  /** addresses by bench and name in topics, such as "1/x" */
+  /** address of an axis, such as "1.2", by its bench and its name in topics, such as "1/x" */
   private readonly topics = new Map<string, string>();
   private readonly units = new Map<string, ReturnType<typeof recordedUnit>>();
   /** missing samples before a tick: "bench:tick" */

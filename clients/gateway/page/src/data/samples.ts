@@ -39,7 +39,7 @@ const STATUS_BITS = { acknowledge: STATUS_BIT.acknowledge, reached: STATUS_BIT.t
 /** Members of a message that are not part of the status. */
 const NOT_SAMPLED = new Set(["stamp", "axis", "missed", "tick", "owner_session"]);
 const MOST_MARKS = 2_000;
-/** Times of a history count from a full hour of drive time, so that round ones stay round. */
+/** Times of a history count from a full hour of drive time: its round times are then also round drive times. */
 const ORIGIN_S = 3_600;
 
 export interface Sampling {

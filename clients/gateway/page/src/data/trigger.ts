@@ -70,7 +70,7 @@ export function isSignalCondition(condition: Condition): condition is SignalCond
   return condition !== "event";
 }
 
-/** An armed trigger, which finds one run after the other. */
+/** An armed trigger. A run is the window of samples around one occurrence; runs are found one after the other. */
 export class TriggerRun {
   /** [s] of drive time, of the latest complete run; undefined before the first one */
   at?: number;

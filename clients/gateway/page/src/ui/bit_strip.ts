@@ -7,7 +7,8 @@ import { t, type TextKey } from "../i18n";
 import { colour, fit, h, put } from "./dom";
 import { AXIS_WIDTH, RIGHT_MARGIN, type Shown } from "./strip";
 
-/** `number`: of a bit whose meaning here is the set-point handshake; other modes use it differently */
+/** `number` is set for a bit that belongs to the handshake only in profile position mode: in other modes it labels the
+ *  row. */
 const BITS: { series: string; text: TextKey; number?: number }[] = [
   { series: "new_set_point", text: "bit4", number: 4 },
   { series: "acknowledge", text: "bit12", number: 12 },

@@ -345,7 +345,7 @@ export class Scope implements View {
     });
     if (roots.length === 0) roots.push(h("p", { class: "nothing" }, t("no_signals")));
     this.body.replaceChildren(...roots);
-    // Outside the role=img element of the plot, whose content cannot be reached.
+    // The handles are outside the role=img element of the plot, because its content cannot be reached.
     this.plots[0]?.root.append(...this.cursors.handles);
     if (!this.trigger.root.hidden) this.trigger.build();
     if (!this.addPlace.hidden) this.buildAdding();
@@ -690,8 +690,8 @@ export class Scope implements View {
     this.dirty = true;
   }
 
-  /** @return the height [px] of each plot: together they fill the window below the elements above them, or a whole
-   *          window if the controls are among these elements */
+  /** @return the height [px] of each plot: together they fill the rest of the window below the top of the scope or, if
+   *          the scope begins in the lower half, as below the controls on a narrow screen, a whole window */
   private heightIn(main: HTMLElement): number {
     const others = this.root.offsetHeight - this.plots.reduce((sum, { plot }) => sum + plot.height, 0);
     const top = this.root.getBoundingClientRect().top - main.getBoundingClientRect().top + main.scrollTop;

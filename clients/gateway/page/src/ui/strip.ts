@@ -30,7 +30,7 @@ export interface Shown {
   /** [s] of drive time */
   from: number;
   to: number;
-  /** [s] of drive time at time 0 of the plots, so that round times remain round */
+  /** [s] of drive time at time 0 of the plots: a full hour, so that round times of the plots are round drive times */
   origin: number;
   columns: number;
   /** [s] between the last run and the present one; undefined while the last run is not shown */
@@ -84,7 +84,7 @@ export class PlotStrip {
     readonly samples: Samples,
     signals: readonly Signal[],
     private readonly quantity: Quantity,
-    /** among those of its axis, and among all strips */
+    /** isFirst: first plot of its axis; isLast: last plot of the scope */
     place: { isFirst: boolean; isLast: boolean },
     head: Node[],
     tools: Node[],
