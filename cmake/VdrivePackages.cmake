@@ -26,8 +26,8 @@ set(CPACK_PRE_BUILD_SCRIPTS ${PROJECT_SOURCE_DIR}/cmake/finish_packages.cmake)
 
 set(CPACK_DEB_COMPONENT_INSTALL ON)
 set(CPACK_DEBIAN_FILE_NAME DEB-DEFAULT)
-# Packages for both Debian releases are in one repository, and those for the newer one must be
-# newer.
+# Packages for both Debian releases are in one repository, and those for the newer release must have
+# the higher version.
 set(CPACK_DEBIAN_PACKAGE_RELEASE 1)
 if(system_ID STREQUAL "debian")
   string(APPEND CPACK_DEBIAN_PACKAGE_RELEASE ~deb${system_VERSION_ID})

@@ -157,8 +157,9 @@ endfunction()
 # Adds the static library vdrive_<room>, available in the tree as vdrive::<room>, exactly as after
 # find_package. Public headers are below include/, private ones below src/. The target
 # all_verify_interface_header_sets compiles each listed public header on its own.
-# INTERNAL: the archive is installed because others link it, but its headers are not. CMake exports
-# no target without its header sets, so the headers are verified through a separate target.
+# INTERNAL: the archive is installed because others link it, but its headers are not. CMake installs
+# an exported target only together with its header sets. So these headers belong to a separate
+# target, which only verifies them.
 # BESIDE: no program outside the tree includes its headers, so all of them are below src/, next to
 # their sources. Whoever links it includes them the same way as its own sources do.
 function(vdrive_add_library room)
@@ -326,16 +327,18 @@ endfunction()
 #   CALCULATES  its tests never wait, and run with the lowest priority
 #   BRIDGE      it tests a bridge; its tests have the label bridge as well
 #   ONE_THREAD  it starts no thread: a build that searches for data races omits it
-#   THREADS     only its tests in this GoogleTest filter start threads: such a build runs no others
+#   THREADS     only its tests in this GoogleTest filter start threads: a build that searches for
+#               data races runs no others
 #   SHARDS      it takes long under a sanitizer: split into this number of cases
-# ./tests/run.sh runs the labels unit and dds without those of bridges, and builds the target
-# chosen_tests for that. Tests with the label full wait or compute for a long time and run only with
-# --full (docs/explanation/testing.md). A program is given
+# ./tests/run.sh runs the tests with the labels unit and dds, except those of bridges, and builds the
+# target chosen_tests for that. Tests with the label full wait or compute for a long time and run only
+# with --full (docs/explanation/testing.md). A program is given
 #   VDRIVE_SOURCE_DIR   the source tree, for tests/data and the scenarios
 #   VDRIVE_SERVICE, VDRIVE_TOOL   (not label unit) the programs vdrived and vdrive of this build; a test without
 #                       DDS that calls the tool is given to vdrive_call_tool (tests/CMakeLists.txt)
-# With VDRIVE_NIGHTLY=1 in the environment a test may run its long count. The target unit_tests
-# builds everything with that label, and dds_tests and full_tests likewise.
+# With VDRIVE_NIGHTLY=1 in the environment, tests do more of their repeated work, such as random cases
+# (tests/support/effort.hpp). The target unit_tests builds the test programs with the label unit; the
+# targets dds_tests and full_tests build those with their labels.
 function(vdrive_add_test name)
   cmake_parse_arguments(PARSE_ARGV 1 arg "EACH;CALCULATES;BRIDGE;ONE_THREAD" "LABEL;TIMED;FULL;SHARDS;THREADS" "SOURCES;LIBRARIES")
   if(NOT arg_LABEL MATCHES "^(unit|dds|full)$" OR NOT arg_SOURCES OR arg_UNPARSED_ARGUMENTS)

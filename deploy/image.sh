@@ -170,7 +170,8 @@ make_tree() {
   chmod 1777 "$image/tmp" "$image/var/lib/vdrive"
 }
 
-# Moves a file to the blobs of a layout. Prints the (still open) descriptor that refers to it.
+# Moves a file to the blobs of a layout. Prints its OCI descriptor (JSON) without the closing brace,
+# so that the caller can add members.
 add_blob() {
   local layout=$1 file=$2 type=$3 sum
   sum=$(sha256sum "$file" | cut -d ' ' -f 1)

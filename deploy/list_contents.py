@@ -122,7 +122,7 @@ def main():
                 if os.path.realpath(file) in owner_of}
         shared = {source for (_, source, _), file in used.items() if ".so" in pathlib.Path(file).name}
         for library, source, its_version in sorted(used):
-            # The package names the runtime part of a dynamically linked library in Depends.
+            # Only -dev packages are listed: the runtime package of a dynamically linked library is already in Depends.
             if TOOLCHAIN.fullmatch(library) or not library.endswith("-dev"):
                 continue
             row = package(library, its_version, f"pkg:deb/debian/{library}@{its_version}?distro={distribution}")

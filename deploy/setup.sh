@@ -131,7 +131,7 @@ while (($#)); do
   case $1 in
     --tests) packages+=("${test_packages[@]}" "${python_packages[@]}") ;;
     --page)
-      # Many machines have a newer node than that of Debian, where npm brings 350 packages.
+      # Many machines have a newer node than Debian, whose npm brings 350 packages.
       command -v node >/dev/null || packages+=(nodejs)
       command -v npm >/dev/null || packages+=(npm)
       ;;

@@ -13,7 +13,7 @@
 namespace vdrive::bridge {
 
 /// Keeps control of all axes of a bench for a session. want() may be called from any thread, keep()
-/// only from the one that may wait for the bench.
+/// only from the thread that may wait for the bench.
 class BenchControl final : private ControlledBench {
  public:
   struct Options {

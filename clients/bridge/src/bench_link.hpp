@@ -46,8 +46,7 @@ class BenchAdapter {
   /// The bench is silent or has ended.
   virtual void on_lost() = 0;
 
-  /// Called before each wait for a new state, which takes at most 10 ms, to pass requests to the
-  /// link.
+  /// Called before each wait for a new state (at most 10 ms), to pass requests to the link.
   virtual void before_turn(BenchLink& /*link*/) {}
 };
 
@@ -70,8 +69,8 @@ class BenchLink final {
 
   // Any thread; these do not wait.
 
-  /// Whether control of all axes is wanted from now on. Calling it again after a loss takes control
-  /// again.
+  /// Sets whether control of all axes is wanted from now on. Calling this again after a loss takes
+  /// control again.
   void want_control(bool wanted) { control_.want(wanted); }
 
   /// Queues a job for an axis, to run after the earlier jobs for it.

@@ -46,9 +46,9 @@ struct ControlRemedies {
 };
 
 /// Takes control of all axes of a bench as soon as no other session controls any of them. Control
-/// taken by another session is not regained until it is wanted again. Reports each owner that it
-/// waits for once. Time is passed as an argument. want() may be called from any thread, keep() only
-/// from the one that may wait for the bench.
+/// taken by another session is not regained until it is wanted again. Reports once each owner that
+/// it waits for. Time is passed as an argument. want() may be called from any thread, keep() only
+/// from the thread that may wait for the bench.
 class ControlKeeper {
  public:
   using Clock = std::chrono::steady_clock;
@@ -61,7 +61,8 @@ class ControlKeeper {
   ControlKeeper(std::uint64_t session, ControlledBench& bench, ControlRemedies remedies)
       : session_(session), bench_(bench), remedies_(std::move(remedies)) {}
 
-  /// Whether control is wanted from now on. Calling it again after a loss takes control again.
+  /// Sets whether control is wanted from now on. Calling this again after a loss takes control
+  /// again.
   void want(bool wanted);
 
   [[nodiscard]] bool is_wanted() const;

@@ -64,8 +64,8 @@ class Reports {
 
 /// @param own the session of the bridge
 /// @return the report for an event that refuses a command of the bridge: the same text for equal
-///         refusals, so that they are counted. Nothing for any other event, and if another session
-///         has control, which a ControlKeeper reports.
+///         refusals, so that they are counted. Nothing for any other event, nor if another session
+///         has control: a ControlKeeper reports that.
 [[nodiscard]] std::optional<std::string> refusal_report(const client::Event& event,
                                                         std::uint64_t own);
 

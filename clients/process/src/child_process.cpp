@@ -103,7 +103,7 @@ bool give_all(const Streams& streams) {
   constexpr int kCannotStart = 127;
   sigset_t none;
   sigemptyset(&none);
-  // NOLINTNEXTLINE(concurrency-mt-unsafe): of the only thread of the child
+  // NOLINTNEXTLINE(concurrency-mt-unsafe): the child has only one thread
   sigprocmask(SIG_SETMASK, &none, nullptr);
   (void)std::signal(SIGPIPE, SIG_DFL);
   // A terminal may stop a process that writes to it from another process group.

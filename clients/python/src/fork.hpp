@@ -36,8 +36,8 @@ void leave(Value&& value) noexcept {
 /// @throws py::error_already_set with vdrive.Forked if a parent process had a session
 void require_dds();
 
-/// Makes each process that is forked after the first DDS session exit without running the
-/// destructors of statics.
+/// Makes processes that are forked once a DDS session was opened skip the destructors of statics
+/// when they exit.
 void watch_forks();
 
 }  // namespace vdrive::python

@@ -13,13 +13,15 @@ namespace {
 
 using namespace std::chrono_literals;
 
-// For calls that no session can end, such as the start of a bench.
+// How long end_calls() waits for calls that no session can end, such as the start of a bench.
 constexpr auto kPatienceAtExit = 1s;
 constexpr auto kLook = 1ms;
 
 struct Calls {
-  std::atomic<bool> end = false;       ///< a call returns to Python only within a callback
-  std::atomic<bool> is_over = false;   ///< no call returns to Python
+  /// Set at exit: from then on, a call within a callback still returns to Python, so that the outer
+  /// call can end; an outermost call blocks.
+  std::atomic<bool> end = false;
+  std::atomic<bool> is_over = false;   ///< set later: no call returns to Python any more
   std::atomic<std::thread::id> ender;  ///< the thread in which the interpreter is finalised
   std::atomic<int> under_way = 0;      ///< calls in progress without the interpreter lock
   std::atomic<int> asking_for_lock = 0;

@@ -9,7 +9,7 @@
 /// for the lock during finalisation, CPython ends the thread by unwinding its C++ stack, which
 /// terminates the process. Only daemon threads are left at that time. So after end_calls() they
 /// never ask for the lock again: their call ends, and they block until the process ends. Exception:
-/// a Python callback within such a call that does not return within some seconds is left to
+/// if a Python callback within their call does not return within some seconds, it is left to
 /// CPython.
 namespace vdrive::python {
 

@@ -7,7 +7,8 @@
 namespace vdrive::python {
 namespace {
 
-// For a callback that returns late; a callback that waits for close() never returns.
+// How long close() waits for a callback that returns late. A callback that itself waits for close()
+// never returns.
 constexpr std::chrono::seconds kPatienceOfClose{5};
 
 /// All sessions of Python. Guarded by the interpreter lock, which is also held during a fork.
@@ -148,7 +149,7 @@ void close_all_sessions() {
     if (auto py_session = weak.lock()) sessions.push_back(std::move(py_session));
   }
   const Unlocked unlocked;
-  // Interrupt all first: a call of one may be in a callback of a call of another one.
+  // Interrupt all first: a callback of one session may be waiting in a call of another.
   for (const SharedPySession& py_session : sessions) py_session->interrupt();
   for (const SharedPySession& py_session : sessions) py_session->close();
 }

@@ -157,8 +157,8 @@ auto waiting(const SharedPySession& py_session, const Call& call) {
       });
 }
 
-/// As waiting(), but without a signal watch if `ends_by_itself(session)`: an interrupt does not end
-/// such a call, and the system calls of the watch take as long as a step.
+/// As waiting(), but without a signal watch if `ends_by_itself(session)`: an interrupt would not
+/// end the call, and the system calls of the watch take as long as a step.
 /// @param ends_by_itself called with the interpreter lock, must not wait
 template <typename Ask, typename Call>
 auto waiting_unless(const Ask& ends_by_itself, const SharedPySession& py_session,

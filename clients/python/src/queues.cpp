@@ -70,8 +70,8 @@ std::deque<Item> take(Source& source, std::size_t most, Timeout timeout) {
   return items;
 }
 
-/// @return whether the program has closed the queue and nothing is left; take() raises any other
-///         end.
+/// @return whether the program has closed the queue and nothing is left. If the queue ended for
+///         another reason, take() raises an exception.
 template <typename Source>
 bool is_closed(Source& source) {
   const auto outcome = source.queue().ended();

@@ -179,8 +179,8 @@ class ReportQueue final : public Dependent {
   std::optional<client::StatusReports> reports_;
 };
 
-/// Reports of which a session has only one observer, such as events: a new queue replaces the
-/// previous one, which ends.
+/// The reports of one kind, such as events, to which a session has only one observer: a new queue
+/// replaces the previous one, which ends.
 template <typename Item>
 class ReportedQueue final : public Dependent {
  public:

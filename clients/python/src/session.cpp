@@ -95,8 +95,8 @@ struct PyFollower {
   std::size_t given = 0;  ///< samples of `kept` already returned
 
   /// The share of the remaining samples for one call; another thread may call at the same time.
-  /// Guarded by the interpreter lock. The destructor gives samples that were not received back to
-  /// the remaining ones.
+  /// Guarded by the interpreter lock. The destructor gives back to `left` the part that was not
+  /// received.
   class Share {
    public:
     /// @param size at most the remaining number

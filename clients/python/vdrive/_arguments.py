@@ -53,7 +53,7 @@ def shown(value: object) -> str:
 def is_number(value: object) -> bool:
     """Return whether the value is a single number, not a truth value (of numpy either) or an array.
 
-    Bits of an enumeration have a length, but are numbers.
+    A member of an IntFlag has a length (__len__), but is a number.
     """
     if type(value).__name__ in ("bool", "bool_"):
         return False

@@ -130,8 +130,8 @@ class AxisBank(Handle):
         """The status image of each axis after the last tick.
 
         A read-only numpy array of records, with a field for each member. It is a view of the memory of
-        the bank: a step, a power cycle and restore() change it, a copy() does not change. The array
-        keeps the bank alive. Do not read it while another thread steps.
+        the bank: a step, a power cycle and restore() change its values; those of a copy() stay. The
+        array keeps the bank alive. Do not read it while another thread steps.
         """
         return self._handle.status()
 

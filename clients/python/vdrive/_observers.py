@@ -94,7 +94,7 @@ class Observer:
         return self._error
 
     def close(self) -> None:
-        """End the calls. Waits for a call in progress, unless it is the caller or is waiting for the caller.
+        """End the calls. Waits for a call in progress, unless that call itself calls close() or waits for this thread.
 
         Does nothing in a forked process: the threads belong to the parent.
         """

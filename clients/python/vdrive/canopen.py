@@ -121,15 +121,16 @@ class Bus:
 
         axes: number of default axes, 1 to 127; by default 3, or as in `config`. preset: type of machine for
         the axes, one of vdrive.PRESETS. config: a YAML file that describes the bench. clock: "lockstep",
-        in which only SYNC lets time pass, or "realtime"; by default "lockstep" if there is
-        `sync_steps`, which it needs, otherwise "realtime". sync_steps: drive time that each SYNC lets
+        in which only SYNC lets time pass, or "realtime"; by default "lockstep" if `sync_steps` is given,
+        otherwise "realtime"; "lockstep" requires `sync_steps`. sync_steps: drive time that each SYNC lets
         pass, in s, 0.000125 to 10. node_offset: added to the number of an axis to give its node-ID, 0 to
         126. program: path of vdrive-canopen, by default find_program(). arguments: additional ones for
         the program.
 
         Raises ConfigurationError for a value that is out of range, unknown or contradicts another one,
-        and TypeError for one of a wrong type; both name the argument. If the program refuses its
-        arguments, raises ConfigurationError, if it ends for another reason, Failed; both have its text.
+        and TypeError for one of a wrong type; both name the argument. Raises ConfigurationError if the
+        program refuses its arguments, and Failed if it ends for another reason; both contain what the
+        program wrote to standard error.
         """
         self._lock = threading.Lock()
         self._maker = os.getpid()

@@ -22,7 +22,7 @@ std::optional<std::int64_t> seconds_to(const AxisSnapshot& axis, std::int32_t ta
 }
 
 std::vector<std::string_view> statusword_flags(std::uint16_t statusword, OperatingMode mode) {
-  // Outside Operation enabled, bit 13 belongs to the fault, whatever it means in the mode.
+  // Outside Operation enabled, bit 13 means following error, whatever the mode uses it for.
   const bool enabled = decode_power_state(statusword) == PowerState::operation_enabled;
   std::vector<std::string_view> names;
   for (unsigned flags = statusword & ~unsigned{Statusword::kState}; flags != 0;

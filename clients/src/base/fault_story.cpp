@@ -53,7 +53,7 @@ class Story {
   Story(const Window& window, const WindowCause& cause, const BenchInfo& bench,
         const SessionText& name_of)
       : window_(window), cause_(cause), bench_(bench), name_of_(name_of) {
-    std::uint64_t shown = 0;  // tick of the values; they include the writes before it
+    std::uint64_t shown = 0;  // tick of the values, which include all earlier writes
     for (const WindowValue& value : window.values) {
       if (value.axis != cause.axis || value.tick > cause.tick) continue;
       known_[value.object] = {.value = value.value};

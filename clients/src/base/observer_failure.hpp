@@ -34,9 +34,9 @@ class ObserverFailure {
     return has_returned;
   }
 
-  /// Rethrows the oldest exception not yet rethrown. Does nothing in a call that stops axes, which
-  /// must get through; in a call from another observer, which is not responsible for the failure;
-  /// or in a forked process.
+  /// Rethrows the oldest exception not yet rethrown. Does nothing in a call that stops axes,
+  /// because that call must get through; in a call from another observer, which is not responsible
+  /// for the failure; or in a forked process.
   void rethrow() {
     if (origin_.is_inherited() || reporting() == this || wakeup_.is_stopping()) return;
     std::exception_ptr thrown;

@@ -13,7 +13,7 @@
 namespace vdrive::client {
 namespace {
 
-/// @return the end of the message of a refusal; the meaning of an abort code includes the code.
+/// @return how the message of a refusal ends; for an abort code, with the code itself.
 std::string end_of_refusal(std::uint32_t code) {
   if (code == kNotPermitted) return ": the permissions of this identity do not allow commands";
   return ": " + wire::describe_reason(code);

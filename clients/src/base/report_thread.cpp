@@ -10,13 +10,14 @@
 namespace vdrive::client {
 namespace {
 
-/// Numbers, as an address may be reused: a report may destroy its object while its thread runs.
+/// Reporters are identified by a number, not by their address: a report may destroy its
+/// ReportThread while the thread still runs, and the address may then be reused.
 std::uint64_t next_reporter() noexcept {
   static std::atomic<std::uint64_t> last{0};
   return ++last;
 }
 
-/// The number of the object that this thread reports for, 0 = none.
+/// The number of the ReportThread that this thread reports for, 0 = none.
 std::uint64_t& reporter_of_this_thread() noexcept {
   thread_local std::uint64_t reporter = 0;
   return reporter;
@@ -57,8 +58,8 @@ void ReportThreads::end_runs(std::optional<std::uint64_t> reporter) {
   }
   for (const auto& run : ended) run->thread.request_stop();
   // A report waits neither for itself nor for a report that replaced it or was replaced by it,
-  // because that report may be waiting for this one. A later call waits for them, if only the one
-  // at the end of the session.
+  // because that report may be waiting for this one. A later call joins them, at the latest
+  // ReportThreads::end() at the end of the session.
   std::erase_if(ended, [](const auto& run) {
     return run->reporter == reporter_of_this_thread() && !run->is_over;
   });

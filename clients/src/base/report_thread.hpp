@@ -35,11 +35,11 @@ class ReportThreads {
 };
 
 /// One thread of a session that reports to the program. A report may end or replace its own thread
-/// and may destroy this object: the thread then ends after that report. In any other thread, ending
-/// it waits for a report in progress. Thread-safe.
+/// and may destroy this object: the thread then ends after that report. Ending it from any other
+/// thread waits for a report in progress. Thread-safe.
 class ReportThread {
  public:
-  /// Must not report once a stop is requested, which its own report may do.
+  /// Must not report any more once a stop is requested; its own report may request the stop.
   using Work = std::function<void(const std::stop_token&)>;
 
   explicit ReportThread(ReportThreads& threads);

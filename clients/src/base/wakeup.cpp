@@ -72,7 +72,7 @@ std::uint64_t Wakeup::changes() const {
 
 Wakeup::Worked Wakeup::work_while(std::uint64_t changes, std::uint32_t bench) {
   Worked worked;
-  // Without the lock: the changes that the work makes take it.
+  // Not under the lock: a change made by the work takes it.
   while (work_ && this->changes() == changes) {
     const wire::LocalWork work = work_(bench);
     worked.has_worked |= work == wire::LocalWork::done;

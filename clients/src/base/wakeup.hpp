@@ -16,8 +16,8 @@ namespace vdrive::client {
 /// Wakes waiting calls when something may have changed, and ends them on an interrupt. Holds none
 /// of the state that they wait for: each condition locks the state that it reads, and no call holds
 /// such a lock while it waits. In a forked process, interrupts do nothing, because another thread
-/// of the parent may have held the lock; no call gets as far as a wait there, see
-/// Discovery::check_process. Thread-safe.
+/// of the parent may have held the lock of this object during the fork; no call gets as far as a
+/// wait there, see Discovery::check_process. Thread-safe.
 class Wakeup {
  public:
   using Clock = std::chrono::steady_clock;

@@ -71,7 +71,8 @@ class LimitSwitchWatch {
 [[nodiscard]] Outcome check_set_point(const AxisSnapshot& axis);
 
 /// Waits until the axis is at its target.
-/// @param target absolute, none if unknown: then the direction of motion selects the switch
+/// @param target absolute; none if unknown: then the direction of motion selects the limit switch
+///        to watch
 /// @param from tick from which on the drive has the set-point
 /// @return failed also if it was halted on the way, if a limit switch or another command ended the
 ///         motion, or if the wait was interrupted: in that case the motion continues.

@@ -19,8 +19,8 @@ using std::chrono::milliseconds;
 // time-out.
 constexpr milliseconds kStepperPatience{500};
 
-// How far ahead a frame is sent for a tick shared by several benches. A bench that is too busy for
-// this refuses it as too late, and the next attempt uses a longer lead.
+// How far ahead a frame is sent for a tick shared by several benches. If a bench is so busy that it
+// refuses the frame as too late, the next attempt uses a longer lead.
 constexpr milliseconds kFirstMargin{20};
 constexpr int kMarginGrowth = 4;
 constexpr int kAttempts = 4;
@@ -138,8 +138,8 @@ Outcome AxesCall::require(bool (*fulfils)(const AxisSnapshot& axis), std::string
                                          : refused_in_state(*offender(), command, needs);
 }
 
-/// Only those that the session does not have: acquiring an axis again would end its earlier
-/// commands.
+/// Without the axes that the session already has: acquiring one again would end the earlier
+/// commands to it.
 std::vector<std::uint16_t> AxesCall::axes_to_acquire(const BenchPart& part) const {
   std::vector<std::uint16_t> axes;
   for (const AxisSnapshot& axis : part.seen.axes) {
@@ -263,7 +263,7 @@ void AxesCall::begin_to_put_in_force(std::span<const Round> rounds) {
 }
 
 Outcome AxesCall::await_in_force(bool has_stepped) {
-  // In lock-step the answer arrives with a tick, and only this session steps it.
+  // In lock-step the answer arrives with a tick, which this session itself must step.
   if (sending_ && steps()) sending_ = axes_.advance(has_stepped ? 0 : 1);
   Answers answers = collect(sent_, std::move(sending_));
   if (!answers.outcome) return answers.outcome;
@@ -293,7 +293,8 @@ Outcome AxesCall::send(std::span<const Round> rounds, std::uint64_t apply_at,
     note_given(parts[i], some, std::span(sent[i].sequences).subspan(before));
     return outcome;
   };
-  // To a single bench the frames go out without a frame of another thread in between.
+  // With a single bench, all frames are sent together, without a frame of another thread in
+  // between.
   if (parts.size() == 1) return send_to(0, rounds);
   // With several benches, none gets a round before all have the previous one: if a bench cannot be
   // reached, the others must not start.

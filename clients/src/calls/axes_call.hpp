@@ -85,7 +85,7 @@ class AxesCall {
   void set_timeout(std::chrono::nanoseconds timeout);
 
   /// Records that commands of this call took effect at `tick`. In freerun the time-out counts from
-  /// there, because such a bench may run minutes of drive time before a command arrives.
+  /// there, because the bench may run minutes of drive time before a command arrives.
   void note_in_force(std::uint64_t tick);
 
   // ---- observing
@@ -190,8 +190,8 @@ class AxesCall {
 
   Answers collect(std::span<const SentFrames> sent, Outcome outcome);
 
-  /// By place: the last command of this call that ended the previous motion of its axis; if none
-  /// did (a resume, for example), the first command.
+  /// By place, the command of this call that counts for the axis: the last one that ends a motion
+  /// (a mode, a set-point, leaving Operation enabled), otherwise the first one, such as a resume.
   [[nodiscard]] const std::vector<GivenCommand>& given() const noexcept { return given_; }
 
   /// Makes this call wait for commands that an earlier call has given to axes of this session.
@@ -250,7 +250,7 @@ class AxesCall {
   [[nodiscard]] bool is_superseded() const;
 
   /// @return refused if another session has an axis that this session had in a tick observed by
-  ///         this call, or before it.
+  ///         this call, or before this call (note_owned()).
   [[nodiscard]] Outcome check_owners();
 
   /// Quick stop of every axis in Operation enabled, except those that another session has taken or

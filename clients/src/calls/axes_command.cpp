@@ -163,7 +163,8 @@ bool AxesCommand::await_before() {
   const std::uint64_t begin = call_.tick();
   (this->*row_.await_before)();
   if (!has_pending() || call_.tick() == begin) return call_.tick() != begin;
-  // The axes may have changed during the wait; in a group, even an axis that needed nothing before.
+  // The axes may have changed during the wait; in a group, even an axis that needed nothing before
+  // may need the command now.
   if (is_group()) is_pending_.assign(is_pending_.size(), true);
   if (is_group() || row_.command == EachCommand::reset_fault) judge();
   return true;
@@ -246,7 +247,7 @@ Outcome AxesCommand::outcome() const {
   return failed == outcomes_.end() ? Outcome() : *failed;
 }
 
-/// Stops a group if the command should leave an axis in Operation enabled and it is not.
+/// Stops a group if an axis is not in Operation enabled although the command should leave it there.
 void AxesCommand::conclude_group() {
   if (row_.stays_enabled && !is_left_out_ && has_pending()) {
     end_all(call_.check(row_.awaited, from_));
@@ -547,7 +548,8 @@ void AxesCommand::judge_reset(std::size_t place, bool is_over) {
 // ---- finish ----------------------------------------------------------------------------------
 
 /// Waits until `done` has held once for every pending axis, at `from` or later. If the wait fails,
-/// the axes for which it has not held get their outcomes; in a group, all get the same one.
+/// the axes for which `done` has not held get their outcomes; in a group, all axes get the same
+/// one.
 template <typename Done>
 void AxesCommand::await_each(std::string_view awaited, std::uint64_t from, const Done& done) {
   std::vector<bool> has_come(is_pending_.size(), false);

@@ -144,7 +144,7 @@ class AxesCommand {
   std::vector<bool> is_held_;         ///< by place, for a stop: this session owns the axis
   bool is_left_out_ = false;          ///< an axis of the group cannot take the command
   std::uint64_t from_ = 0;            ///< tick from which on the axes show the effect
-  std::vector<AxisSnapshot> at_end_;  ///< by place: when the last wait for the axis ended
+  std::vector<AxisSnapshot> at_end_;  ///< by place: the axis when the last wait for it ended
 };
 
 /// Gives a command to axes on any benches, independently: sends it to all of them, then waits for

@@ -146,7 +146,8 @@ Result<Motion> Axis::start_move(std::int32_t position, const MoveOptions& option
 
 namespace {
 
-/// How late a sample of an axis may be in real time, in wall time and in drive time.
+/// How long Motion::has_ended() waits for a sample: drive time, or wall time if drive time does not
+/// pass.
 constexpr std::chrono::seconds kOldSample{1};
 
 /// Connects and starts the wait for the move.

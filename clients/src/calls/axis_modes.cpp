@@ -73,7 +73,7 @@ class EndlessMotion {
     return done;
   }
 
-  /// The axis was seen to stop, or the program knows that it runs on after the call.
+  /// Call this when the axis was seen to stop, or the program knows that it runs on after the call.
   void settle() { held_axes_.forget_running(key_, {&axis_, 1}); }
 
  private:
@@ -190,10 +190,10 @@ bool has_velocity(const AxisSnapshot& axis) {
   return axis.mode() == OperatingMode::profile_velocity && target_reached(axis);
 }
 
-/// A jerk-limited ramp starts and ends with zero acceleration: at each end, one unit of velocity
-/// takes √(2/J), and twice that if the acceleration has to reverse first.
+/// With limited jerk J, the first and the last unit of velocity of a ramp take √(2/J) each, and
+/// twice that if the ramp starts with an acceleration in the opposite direction.
 /// @param jerk [UU/s³]
-/// @return the constant ramp [UU/s²] that takes the same time for one unit.
+/// @return the constant ramp [UU/s²] that takes this longer time for every unit.
 std::int64_t even_ramp_of(std::int64_t jerk) {
   return static_cast<std::int64_t>(std::sqrt(static_cast<double>(jerk) / 8.0));
 }
@@ -402,7 +402,7 @@ void clear_velocity(Axis& axis, const Outcome& ended) {
   (void)axis.write(kTargetVelocity, 0);
 }
 
-/// Even if the wait for the command failed, it may have taken effect.
+/// The command may have taken effect even if the wait for it failed.
 void end_failed_start(const std::shared_ptr<SessionCore>& core, AxesCall& call,
                       const Outcome& started, std::chrono::nanoseconds timeout) {
   if (started.kind() == OutcomeKind::refused || call.is_superseded()) return;

@@ -82,10 +82,10 @@ class ObservedAxes {
   /// Observes what has arrived so far, without waiting; in lock-step the present state.
   Outcome refresh();
 
-  /// Observes the axes again, as they were when this call began or later. A sample may have been
-  /// delayed and show a state from before an answer that another session already has. So a call
-  /// looks again before it is refused because of the state of the axes. Does nothing in lock-step,
-  /// where every observation is the answer to a request.
+  /// Observes the axes again, as they were when this call began or later. A delayed sample may show
+  /// an older state than an answer that another session has already received. So a call looks again
+  /// before it is refused because of the state of the axes. Does nothing in lock-step, where every
+  /// observation is the answer to a request.
   Outcome look_again();
 
   /// Makes calls that wait for a sample end with `failed` once a stop is requested.
@@ -149,10 +149,10 @@ class ObservedAxes {
 
 /// For a call that has ended. The refusal of a command frame with an outdated epoch does not say
 /// who has taken the axes, but their status does. Waits for that status and for the name of the new
-/// owner, at most a second in total if the bench sends.
+/// owner, which takes about a second at most as long as samples of the bench arrive.
 /// @param axes that the call has commanded
-/// @return for such a refusal, the refusal with the session that holds one of the axes now, if any;
-///         any other outcome unchanged.
+/// @return for a refusal of this kind: the refusal with the session that holds one of the axes now,
+///         if any; any other outcome unchanged.
 [[nodiscard]] Outcome explain_loss(SessionCore& core, Outcome outcome,
                                    std::span<const AxisId> axes);
 

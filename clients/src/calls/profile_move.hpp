@@ -76,8 +76,8 @@ class ProfileMove {
   Outcome prepare();
 
   /// Hands over the set-point and waits until the drive has taken it. The old value of 6081h is
-  /// restored immediately, because the drive samples it with the set-point; if the drive evaluates
-  /// its controlword only once per loop, after bit 12.
+  /// restored immediately, because the drive samples it with the set-point; a drive that evaluates
+  /// its controlword only once per loop gets it back after bit 12.
   Outcome start(std::int32_t target, bool relative);
 
   /// Waits until the axis is at its target; see await_target() in arrival.hpp.

@@ -13,8 +13,8 @@ namespace vdrive::client {
 
 // For drives that act later than in the tick of the command (docs/guides/be-another-drive.md).
 
-/// Within this time, a drive that evaluates its controlword in a loop of some milliseconds has done
-/// so.
+/// Within this time, a drive that evaluates its controlword in a loop of some milliseconds has
+/// evaluated it.
 inline constexpr std::chrono::milliseconds kLongestLoop{20};
 
 /// A fault reset has taken effect within this time.

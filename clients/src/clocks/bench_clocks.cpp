@@ -53,7 +53,7 @@ msg::Request next_request(std::uint64_t& ticks, std::span<const std::uint16_t>& 
   return ask::step(some, {shown.begin(), shown.end()});
 }
 
-/// Puts the axes of an answer into `samples` from place `first` on, as the last ones.
+/// Replaces `samples` from place `first` on with the axes of an answer.
 void fill_samples(const RequestAnswer& answer, std::size_t first,
                   std::vector<AxisSnapshot>& samples) {
   samples.resize(first + answer.axes.size());
@@ -100,7 +100,7 @@ Result<std::uint64_t> BenchClocks::join(const Target& target, std::uint32_t step
 
 void BenchClocks::leave(const Target& target) {
   {
-    // First, so that a call that steps in the meantime does not rely on the grant.
+    // Before the bench is told: a call that steps in the meantime must not rely on the grant.
     const std::scoped_lock lock(mutex_);
     grants_.erase(target.key);
   }

@@ -112,7 +112,8 @@ class BenchClocks {
   /// Leaves the clock of every bench.
   void leave_all();
 
-  /// Tells no bench, but lets the threads of this session join clocks with other sessions.
+  /// Like leave_all(), but sends nothing: only frees the threads of this session to join clocks
+  /// with other sessions.
   void abandon() noexcept;
 
   /// Locks the steps of a joined clock: if several threads step at the same time, the steps run one

@@ -22,7 +22,8 @@ constexpr milliseconds kRepeatAfter{1'000};
 // Interval at which a wait for a match checks whether the bench has another participant.
 constexpr milliseconds kCheckSource{20};
 
-// A full queue has room again when its readers catch up, or when a lost one is dropped.
+// Within this time a full queue has room again: its readers have caught up, or a lost reader has
+// been dropped.
 constexpr milliseconds kFullQueue{2'500};
 
 constexpr const char* kSessionEnded = "the session has ended: nothing was sent";
@@ -179,7 +180,7 @@ OpenLink BenchLinks::try_open(const BenchKey& key) {
 }
 
 /// Called with the mutex of the link, before anything is sent: if another participant now sends for
-/// the run, matches it and sends all unanswered messages again.
+/// the run, waits for a match with it and sends it all unanswered messages again.
 /// @return whether the link is open.
 bool BenchLinks::reconnect(const BenchKey& key, milliseconds patience) {
   const auto source = discovery_.source_of(key);
@@ -197,7 +198,7 @@ bool BenchLinks::reconnect(const BenchKey& key, milliseconds patience) {
 bool BenchLinks::repeat(const BenchKey& key, Clock::time_point sent_before) {
   const std::vector<msg::CommandFrame> frames = unanswered_.frames.to_repeat(key, sent_before);
   const std::vector<msg::Request> requests = unanswered_.requests.to_repeat(key, sent_before);
-  // Frames first: a step names the last frame before it and waits for it.
+  // Frames first: a step names the last frame before it, and the bench waits for that frame.
   return std::ranges::all_of(frames,
                              [this](const msg::CommandFrame& frame) {
                                return command_publication_->write(frame);

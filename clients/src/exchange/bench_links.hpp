@@ -191,7 +191,7 @@ class BenchLinks {
   Result<Target> connect(std::uint32_t number);
 
   /// Waits until no other thread sends to this run, then until its link is connected.
-  /// @param what names in messages what is to follow: "requests" or "commands"
+  /// @param what will be sent, for messages: "requests" or "commands"
   /// @param patience wall time to wait for the match with a bench that has reconnected
   Result<OpenLink> open(const Target& target, std::string_view what,
                         std::chrono::milliseconds patience = kMatch);
@@ -209,9 +209,9 @@ class BenchLinks {
   /// @return false if the bench has reconnected and cannot be reached yet.
   bool send_keep_alive(const BenchKey& key);
 
-  /// Waits until `condition` holds, which must depend on messages from the bench; it is called
-  /// after each change, without a lock. While waiting, repairs the link to the bench, and gives up
-  /// if the bench is lost. The caller must not hold the lock of a state.
+  /// Waits until `condition` holds. The condition must depend on messages from the bench; it is
+  /// evaluated after each change, without a lock. While waiting, repairs the link to the bench, and
+  /// gives up if the bench is lost. The caller must not hold the lock of a state.
   template <typename Condition>
   Outcome wait(const Target& target, const Patience& patience, const Condition& condition) {
     const auto begin = discovery_.running_time();
@@ -307,7 +307,7 @@ class BenchLinks {
   std::map<BenchKey, Link> links_;  ///< a map: elements must not move on insertion
   std::vector<wire::ReceivedStatus> spare_;
   std::unique_ptr<wire::Publication<msg::Request>> request_publication_;  ///< none for a viewer
-  std::unique_ptr<wire::Publication<msg::CommandFrame>> command_publication_;  ///< likewise
+  std::unique_ptr<wire::Publication<msg::CommandFrame>> command_publication_;  ///< as above
   RequestAnswer received_;    ///< the newest reply; used by the receiving thread only
   bool is_received_ = false;  ///< it could be decoded
   std::mutex refusal_mutex_;  ///< guards the observer, also while it is being called

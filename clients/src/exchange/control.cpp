@@ -69,7 +69,7 @@ void Control::end() {
   (void)release();  // there is no caller to receive the outcome
 }
 
-/// Called with lock_sending of its bench.
+/// Called with lock_sending() of the bench.
 Result<RequestAnswer> Control::carry_out(const Target& target, msg::Request request,
                                          std::string_view what) {
   const msg::Request sent = request;

@@ -37,8 +37,8 @@ class Control {
   /// @return whether this session has acquired all of these and has not learned that it lost one.
   [[nodiscard]] bool holds(const Target& target, std::span<const std::uint16_t> axes);
 
-  /// Sends a request that must be answered before further frames, such as a power cycle: nothing
-  /// else is sent to the bench until then.
+  /// Sends a request that must be answered before further frames are sent, such as a power cycle:
+  /// nothing else is sent to the bench until then.
   Result<RequestAnswer> exchange(const Target& target, msg::Request request, std::string_view what);
 
   /// Writes objects of one axis; if one is a command object, this acquires the axis.
@@ -51,7 +51,7 @@ class Control {
 
   /// Releases all axes except those that are running and were not seen to stop: these stay with
   /// this session until the watchdog of their bench stops them.
-  /// @return failed, naming them, if there are any
+  /// @return failed, naming the axes that stay, if there are any
   Outcome release();
 
   /// As release(), for one bench.

@@ -82,7 +82,7 @@ class HeldAxes {
   /// @return the runs that need keep-alives.
   [[nodiscard]] std::vector<BenchKey> to_keep_alive() const;
 
-  /// @return an empty frame with the next sequence number. Called with lock_sending of its bench.
+  /// @return an empty frame with the next sequence number. Called with lock_sending() of the bench.
   [[nodiscard]] msg::CommandFrame next_frame(const BenchKey& key);
 
   /// @return as next_frame(); nothing if this session now holds axes in another run of the service.
@@ -92,7 +92,8 @@ class HeldAxes {
   [[nodiscard]] std::uint64_t last_sequence(const BenchKey& key);
 
  private:
-  /// The last frame that set an axis in motion, and the first tick seen with it applied.
+  /// The last frame that set an axis in motion, and the first tick in which it was seen to be
+  /// applied.
   struct Running {
     std::uint64_t sequence = 0;
     std::optional<std::uint64_t> since{};

@@ -15,10 +15,12 @@
 namespace vdrive::client {
 namespace {
 
-// As many as a service keeps for one bench; higher numbers are invalid.
+// Number of places in the name table of a bench (topic bench_session); samples with a place beyond
+// these are ignored.
 constexpr auto kPlacesOfBench = static_cast<std::uint16_t>(wire::kSessionsOfBench);
 constexpr auto kMostKnown = static_cast<std::size_t>(wire::kSessionsInDomain);
-// Sessions remembered as asked for: later calls do not wait for the same unknown name again.
+// Maximum number of sessions remembered as asked for: later calls do not wait for the same unknown
+// name again.
 constexpr std::size_t kMostAsked = 1'024;
 // Longest time between two checks of the bench while waiting for a name.
 constexpr std::chrono::milliseconds kLookPeriod{20};

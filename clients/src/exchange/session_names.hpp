@@ -24,10 +24,10 @@
 namespace vdrive::client {
 
 /// Publishes the name of this session and receives the names of others. The writer is created when
-/// the session acquires its first axis, the reader when it first asks for a name: only that call
-/// waits for the match. If one of them is not permitted or DDS refuses it, the session does
-/// without: others do not learn its name, or it does not learn theirs. Thread-safe; the caller must
-/// hold no lock of the session.
+/// the session acquires its first axis, the reader when it first asks for a name: only the call
+/// that creates one waits for its match. If one of them is not permitted, or DDS refuses it, the
+/// session does without: others do not learn its name, or it does not learn theirs. Thread-safe;
+/// the caller must hold no lock of the session.
 class SessionNames {
  public:
   using Clock = Discovery::Clock;
@@ -92,7 +92,7 @@ class SessionNames {
 
   mutable std::mutex mutex_;  ///< guards the names received and the sessions asked for
   std::map<Place, Known> names_;
-  std::map<std::uint64_t, Clock::time_point> asked_;  ///< sessions, and when first
+  std::map<std::uint64_t, Clock::time_point> asked_;  ///< when a session was first asked for
 
   std::mutex listening_;  ///< guards the members below; an arriving name does not take it
   Clock::time_point listens_since_{};

@@ -191,7 +191,9 @@ void AxisGroup::State::collect_rest() const {
 Outcome AxisGroup::stop_streaming(const GroupCallOptions& options) {
   if (Outcome here = state_->core->discovery.check_process(); !here) return here;
   if (!state_->stream) return not_in_this_state("streaming was not started");
-  state_->core->failure.rethrow();  // first: a repeated call must still end the stream
+  // Before the stream is ended: if this throws, the program calls again, and that call must still
+  // find a stream to end.
+  state_->core->failure.rethrow();
   Outcome rest;
   while (rest && !state_->stream->in_flight.empty()) rest = state_->collect_oldest();
   state_->collect_rest();

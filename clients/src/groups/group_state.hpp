@@ -147,8 +147,8 @@ struct AxisGroup::State {
   void collect_rest() const;
 
  private:
-  /// @return distances and limits of the axes from their present positions to the targets; the
-  ///         distances are for a line from rest.
+  /// @return the distances of the axes from their present positions to the targets, as for a line
+  ///         from rest, and their limits.
   Result<std::vector<AxisDistance>> ways_of(AxesCall& call, const LineRequest& request,
                                             bool in_motion) const;
   [[nodiscard]] Outcome takes_too_long(std::span<const AxisDistance> ways) const;

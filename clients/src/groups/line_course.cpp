@@ -155,7 +155,8 @@ std::vector<double> ways_along(const LineCourse& course) {
   const Measure measure(course);
   std::vector<double> ways;
   for (std::size_t place = 0; place < course.origin.size(); ++place) {
-    // Even an axis with no distance needs one: with 0 it would have to be at rest (5E10h:05).
+    // An axis that does not move along the line gets a reference way of 1: with 5E10h:05 = 0 its
+    // drive would demand a start from rest.
     ways.push_back(std::max(1.0, std::abs(measure.way(place))));
   }
   return ways;

@@ -42,8 +42,8 @@ MotionJerk jerk_along_path(std::span<const AxisDistance> ways) {
   return path;
 }
 
-/// @return the time [s] that the acceleration takes to build up and to decay in both ramps to
-///         `peak`.
+/// @return the jerk time [s]: how long the acceleration builds up, and equally how long it decays,
+///         in each of the two ramps between rest and `peak`.
 double jerk_time(double peak, const MotionLimits& path, const MotionJerk& jerk) {
   const auto of_ramp = [peak](double highest, double of_path) {
     return std::min(highest / of_path, std::sqrt(peak / of_path));
@@ -138,8 +138,8 @@ std::optional<LineTimes> plan_line(std::span<const AxisDistance> ways, microseco
 }
 
 std::optional<MovingTimes> plan_moving_line(std::span<const AxisDistance> ways) {
-  // Nothing ends after exactly this duration, so it is not rounded up to ticks, which would only
-  // make the axes slower.
+  // The duration only encodes the speed; no move takes exactly this long. So it is not rounded up
+  // to whole ticks, which would only make the axes slower.
   constexpr microseconds kFinest{1};
   const MotionLimits path = along_path(ways);
   const double needed = way_of_ramps(path.velocity, path, jerk_along_path(ways));

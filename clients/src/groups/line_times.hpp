@@ -54,8 +54,8 @@ struct MovingTimes {
 [[nodiscard]] std::optional<MovingTimes> plan_moving_line(std::span<const AxisDistance> ways);
 
 /// An upper bound for the duration of a line that starts in motion.
-/// @param left the remaining distance to the target, in stretched distances, without a sign
-/// @param speed of the axes [1/s], likewise
+/// @param left the remaining distance as a fraction of the stretched distance, not negative
+/// @param speed of the axes, in stretched distances per second, not negative
 [[nodiscard]] std::chrono::microseconds longest_duration(const LineTimes& times, double left,
                                                          double speed) noexcept;
 

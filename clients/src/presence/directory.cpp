@@ -174,8 +174,8 @@ void Directory::note_time(const BenchKey& key, const RunTime& time) {
   entry.time = time;
 }
 
-/// A bench in real time is not present before its first sample, a state with its rate: the
-/// description has no rate, and a paused bench would appear to be running.
+/// A realtime bench counts as present only after its first state sample, which has the rate: the
+/// description has none, and a paused bench would appear to be running.
 std::optional<Directory::Clock::duration> Directory::silence_of(const Entry& entry,
                                                                 Clock::time_point now) const {
   if (entry.info.clock_mode == ClockMode::realtime && !entry.newest_sample) return std::nullopt;

@@ -100,8 +100,8 @@ class Directory {
   [[nodiscard]] std::optional<wire::Source> source_of(const BenchKey& key) const;
 
   /// @return the benches with a complete description that are not offline and have been silent for
-  ///         less than kPresence, by number. Of two with the same number, the one with the lower
-  ///         incarnation, which is also what the services agree on.
+  ///         less than kPresence, by number. If two have the same number, only the one with the
+  ///         lower incarnation: the services decide in the same way.
   [[nodiscard]] std::vector<PresentBench> present(Clock::time_point now) const;
 
   /// @return the number of benches in present().
@@ -132,7 +132,7 @@ class Directory {
   [[nodiscard]] std::optional<std::chrono::milliseconds> age(const BenchKey& key,
                                                              Clock::time_point now) const;
 
-  /// @return the run of the bench heard from last; without an incarnation if there is none.
+  /// @return the run of the bench that has sent the newest message; incarnation 0 if there is none.
   [[nodiscard]] BenchKey newest_run(std::uint32_t number) const;
 
   /// @return the last bench that has announced its end; nothing if none has.
@@ -204,10 +204,11 @@ class Directory {
   /// thousands.
   [[nodiscard]] PresentBench whole(const Entry& entry, Clock::time_point now) const;
 
-  /// @return the entry of this run, created if there is room; nullptr if there is none.
+  /// @return the entry of this run, created if there is room; nullptr if there is no room.
   Entry* entry_of(const BenchKey& key, Clock::time_point now);
   bool has_room_for_part(Clock::time_point now);
-  /// Forgets the run that has been silent longest, unless that is less than kForgetAfter.
+  /// Forgets the run that has been silent longest, unless it has been silent for less than
+  /// kForgetAfter.
   /// @return whether a run was forgotten.
   bool forget_the_most_silent(Clock::time_point now);
 

@@ -29,7 +29,8 @@ std::string host_of(std::string_view place) {
                                          : std::string(place.substr(found + kBefore.size()));
 }
 
-// A service without room for this participant reads its announcement again only when that changes.
+// A search announces this participant again at this interval: a service that had no room for it
+// reads its announcement again only if the announcement changes.
 constexpr milliseconds kAnnounceAgain{1'000};
 
 /// @return the number of the bench whose service has a participant of this name; nothing for any

@@ -33,9 +33,9 @@ enum class Silence : std::uint8_t {
   is_bridged,  ///< SessionOptions::patience: calls that follow a bench continue after a gap
 };
 
-/// The benches and axes that are present: receives the descriptions and states of benches, and
-/// answers queries from them and from the presence of their participants. Thread-safe; under its
-/// lock, only the lock of Presence is taken.
+/// The benches and axes that are present: receives the descriptions and states of benches, and uses
+/// them and the presence of their participants to answer queries. Thread-safe; under its lock, only
+/// the lock of Presence is taken.
 class Discovery {
  public:
   using Clock = Directory::Clock;
@@ -102,8 +102,8 @@ class Discovery {
   /// @return the run of the bench that is present now; nothing if there is none.
   [[nodiscard]] std::optional<Target> present_target(std::uint32_t bench) const;
 
-  /// @return as present_target(), but only a run that continues `run`: the same one or, on a
-  ///         network, that of a restarted service. In this process, another run with the same
+  /// @return as present_target(), but only a run that continues `run`: the same run or, on a
+  ///         network, the run of a restarted service. In this process, another run with the same
   ///         number is a different bench.
   /// @param run incarnation 0 = none yet: any run continues it
   [[nodiscard]] std::optional<Target> continuation_of(const BenchKey& run) const;

@@ -99,7 +99,7 @@ void SessionCore::end() {
 
 void SessionCore::abandon() noexcept {
   if (!discovery.check_process()) return;
-  // The links close first, so that a call that the interrupt ends sends nothing more.
+  // The links close first, so that a call ended by the interrupt sends nothing more.
   links.close();
   clocks.abandon();
   wakeup.interrupt();

@@ -142,7 +142,7 @@ void EventWatcher::watch(std::function<void(const Event&)> observer, EventHistor
                                          ? 0
                                          : observer_.first_tick_of_stream(target_of(bench), axis));
   }
-  // Before the subscription, whose history arrives immediately.
+  // Started before the subscription, because the history of the subscription arrives immediately.
   thread_.start([this, watch, observe = std::move(observer)](const std::stop_token& stop) {
     failure_.run([&] {
       run(*watch, stop, observe);
@@ -169,8 +169,8 @@ void EventWatcher::run(Watch& watch, const std::stop_token& stop,
   }
 }
 
-/// Waits for a sample of a newly found bench. The sample contains the present tick, from which
-/// events are reported unless the kept ones are wanted too.
+/// Waits for a sample of a newly found bench. The sample contains the present tick: unless the kept
+/// events are wanted too, only events from then on are reported.
 /// @return false if no sample arrives: the run has ended.
 bool EventWatcher::meet(const BenchKey& key, Watch& watch, const std::stop_token& stop) const {
   const auto deadline = Discovery::Clock::now() + kPresence;
@@ -255,8 +255,8 @@ void StatusWatcher::show(Bench& bench, const Observation& seen, const Report& re
   report(seen);
 }
 
-/// @return the present state of the axes in lock-step, because no frame arrives until somebody
-///         steps.
+/// @return in lock-step the present state of the axes, because no frame arrives until somebody
+///         steps; otherwise nothing.
 std::optional<Observation> StatusWatcher::begin(Bench& bench, const Target& target) const {
   bench.key = target.key;
   bench.shown.reset();

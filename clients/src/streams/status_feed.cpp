@@ -12,7 +12,8 @@ namespace {
 // Four seconds at the usual period; a reader that is later than that loses the oldest samples.
 constexpr std::size_t kCapacity = 4096;
 
-// One is being filled, one is in use by its reader, some arrive while the reader is late.
+// Enough spare samples: one is being filled, one is in use by its reader, and some arrive while the
+// reader is late.
 constexpr std::size_t kMostSpares = 8;
 
 }  // namespace
@@ -66,7 +67,8 @@ bool StatusFeed::on_frame(const wire::StatusFrameView& frame) {
   const wire::StatusFrameHead& head = frame.head();
   if (head.bench != key_.number || head.incarnation != key_.incarnation) return false;
   if (head.tick < growing_.tick) return false;
-  const bool has_begun = growing_.axes.size() == count_;  // so that tick 0 starts too
+  // growing_.tick is 0 at first: a comparison of ticks alone would not start a sample for tick 0.
+  const bool has_begun = growing_.axes.size() == count_;
   // A complete tick received again comes from a bench whose time stands still, and makes another
   // sample.
   if (head.tick > growing_.tick || seen_count_ == count_ || !has_begun) start(head.tick);

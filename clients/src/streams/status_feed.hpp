@@ -29,7 +29,8 @@ struct AxisRange {
 
 /// Assembles the status frames of a bench into samples that show all wanted axes after one tick.
 /// Counts lost ticks and, separately, ticks that the tick number jumped over and that were never
-/// run. Each frame carries that count, so that a lost frame hides no jump. Not thread-safe.
+/// run. Each frame carries the number of ticks jumped over, so that a lost frame hides no jump. Not
+/// thread-safe.
 class StatusFeed {
  public:
   /// @param axes each once; samples have this order

@@ -47,7 +47,7 @@ class StatusStream {
 
   /// Does not wait.
   /// @return the newest sample of a feed, with the samples lost and the ticks skipped since the
-  ///         last one taken; nothing if no other has arrived.
+  ///         last sample taken; nothing if none has arrived since.
   std::optional<Observation> take_newest(StatusFeed& feed);
 
   /// Waits for an axis sample of each of these axes; a bench also sends them while its time stands

@@ -18,7 +18,7 @@
 
 namespace vdrive::tool {
 
-/// Changes by commands that affect all users of a bench, and the previous values.
+/// The changes that commands make for all users of a bench, and the previous values.
 class BenchChanges {
  public:
   explicit BenchChanges(client::Session& session) : session_(session) {}

@@ -75,7 +75,7 @@ class FaultWatch {
   /// @return the tick in which the axis was first observed with its fault, 0 without one.
   [[nodiscard]] std::uint64_t first_tick() const noexcept { return fault_tick_; }
 
-  /// @return whether the axis was observed before its fault, so that first_tick() is that of the
+  /// @return whether the axis was observed before its fault: then first_tick() is the tick of the
   ///         fault.
   [[nodiscard]] bool saw_begin() const noexcept { return was_sound_; }
 

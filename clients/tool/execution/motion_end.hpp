@@ -14,7 +14,7 @@ void halt_after_interrupt(client::Axis& axis, const CommandContext& context);
 /// does not end by itself: after the session, only the watchdog of the bench would stop the axis,
 /// with fault 8130h. So this halts the axis after an interrupt, and after a failure that ends the
 /// session (see CommandContext::outlives_failures). An interrupt is reported on standard error.
-/// @return the outcome of the command; after a failure including the result of the halt
+/// @return the outcome of the command; for a failure, with the result of the halt
 [[nodiscard]] client::Outcome end_endless_motion(client::Axis& axis, client::Outcome outcome,
                                                  CommandContext& context);
 

@@ -92,7 +92,7 @@ class ScenarioReader {
   ScenarioReader(CommandTable commands, std::string file, const Variables::Values& settings)
       : commands_(commands), scenario_{std::move(file), {}, {}}, variables_(settings) {}
 
-  /// Records a mistake in the line.
+  /// Reads a line, and records a mistake in it.
   /// @param line may lack its end if it is longer than kLongestLine
   /// @return whether the next line can be read.
   bool take(std::size_t number, std::string_view line) {

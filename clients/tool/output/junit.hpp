@@ -24,9 +24,9 @@ struct JunitCase {
   bool is_skipped = false;
   std::size_t line = 0;  ///< in the file of its suite; 0 = none
 
-  /// Of a failure or an error: its kind, such as "expectation", and all details with the place;
-  /// empty = only the message.
+  /// The kind of the failure or error, such as "expectation".
   std::string type{};
+  /// All details of the failure or error, with file and line; empty = only the message.
   std::string text{};
 
   std::string output{};  ///< printed output

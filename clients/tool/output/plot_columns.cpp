@@ -32,7 +32,7 @@ constexpr std::string_view kErrorPanel = "following error";
 constexpr std::string_view kVelocityErrorPanel = "velocity error";
 constexpr double kPercentOfPerMille = 0.1;
 
-/// Every other column has its own panel.
+/// All columns not listed here have a panel of their own.
 constexpr std::array kCurves{
     CurveRow{"position_demand_value", "demand", kPositionPanel},
     CurveRow{"load_position_actual_value", "actual", kPositionPanel},
@@ -71,7 +71,7 @@ PlotColumn column_of(const StatusMember& member) {
   PlotColumn column{.member = &member,
                     .name = std::string(member.name),
                     .label = object ? index_text(member.address.index) : std::string()};
-  // Also the title for a member that the table does not contain.
+  // Remains the title of the panel of a member that is not listed in kCurves.
   column.panel = column.name;
   const auto* const curve = std::ranges::find(kCurves, column.name, &CurveRow::variable_name);
   if (curve == kCurves.end()) return column;

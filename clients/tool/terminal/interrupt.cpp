@@ -11,9 +11,9 @@ namespace {
 
 constexpr int kInterrupted = 130;
 
-// When a terminal is closed, the shell and the kernel both signal it, and `timeout` signals the
-// program and its group. Signals within this time therefore count as one, not as a second one that
-// ends the program immediately.
+// When a terminal is closed, both the shell and the kernel signal this program; `timeout` signals
+// it and, again, its process group. Signals within this time therefore count as one, not as a
+// second one that ends the program immediately.
 constexpr std::chrono::milliseconds kRepeatedSignalTime{200};
 
 bool is_ignored(int signal) {

@@ -84,8 +84,8 @@ class Terminal {
   ///         write_failure() has the reason.
   [[nodiscard]] bool is_open() const;
 
-  /// @return why a line is missing on standard output; none if nothing is missing, or because the
-  ///         reader of the pipe has gone.
+  /// @return why a line is missing on standard output; nothing if none is missing, or if one is
+  ///         missing only because the reader of the pipe has gone.
   [[nodiscard]] std::optional<std::string> write_failure() const;
 
  private:

@@ -53,7 +53,7 @@ struct ShownWord {
 
 std::string_view bit_name(const ShownWord& word, std::uint16_t bit) {
   if (!word.is_statusword) return controlword_bit_name(bit, word.mode);
-  // Outside Operation enabled, bit 13 belongs to the fault, whatever the mode.
+  // Outside Operation enabled, bit 13 means following error, whatever the mode uses it for.
   const bool is_of_fault = bit == Statusword::kFollowingError &&
                            decode_power_state(word.value) != PowerState::operation_enabled;
   return statusword_bit_name(bit, is_of_fault ? OperatingMode::none : word.mode);

@@ -56,7 +56,7 @@ struct ObjectName {
 [[nodiscard]] std::string value_text(const ObjectName& object, std::int64_t value,
                                      const Unit& unit);
 
-/// @param highest at most that of std::int64_t
+/// @param highest at most the highest std::int64_t
 /// @throws UsageError naming `what` if it is not an integer from 0 to `highest`.
 [[nodiscard]] std::uint64_t parse_number(std::string_view text, std::string_view what,
                                          std::uint64_t highest);

@@ -128,7 +128,8 @@ class Axis {
   Outcome acquire();
 
   /// As acquire(), but also takes the axis from another session. That session loses the axis, and
-  /// its waiting frames for it are dropped. The motion of the axis is not affected.
+  /// its command frames for the axis that still wait for their tick are dropped. The motion of the
+  /// axis is not affected.
   Outcome take_over();
 
   /// Takes the axis through the power states to Operation enabled. If a quick stop is in progress,
@@ -194,7 +195,7 @@ class Axis {
   /// stops the axis.
   ///
   /// However the jog ends, it leaves 60FFh at 0, so that the axis does not start moving when it is
-  /// next enabled. It does not do so if the bench is lost, or if another session or another call of
+  /// next enabled. The only exceptions: the bench is lost, or another session or another call of
   /// this session has the axis. If the last command is refused or no standstill is seen, the call
   /// stops the axis with a quick stop, which works without owning the axis; an axis that another
   /// session has commanded since then is left to that session.

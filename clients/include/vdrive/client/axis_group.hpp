@@ -145,11 +145,12 @@ class AxisGroup {
   /// From rest, the times are computed for distances half a unit longer, because an axis at rest
   /// may be up to half a unit away from the position in 6062h. In motion, the axes stay on their
   /// line and arrive together, apart from the rounding to integers.
-  /// @return refused, with nothing changed, if an axis cannot take part: not enabled, beyond its
-  ///         software limits, a move of more than 4294 s, or in motion and not on one line with the
-  ///         target; the message gives the value that is off the line and the value that the line
-  ///         needs. If an axis ignores its set-point, the others do not start in lock-step; in real
-  ///         time, or if they were already moving, they are halted.
+  /// @return refused, with nothing changed, if an axis cannot take part: it is not enabled, its
+  ///         target is beyond its software limits, its move would take more than 4294 s, or it is
+  ///         moving, and its demand (6062h, 606Bh) or its target is off the line; the message then
+  ///         gives this value and the value that it should have. If an axis ignores its set-point,
+  ///         the others do not start in lock-step; in real time, or if they were already moving,
+  ///         they are halted.
   Outcome move_together(const Eigen::VectorXd& targets, const GroupMoveOptions& options = {});
 
   /// As move_together(), by displacements from the demand positions (MC_MoveLinearRelative).

@@ -23,8 +23,8 @@ struct AxisSnapshot {
   std::uint64_t owner_session = 0;  ///< 0 = free
   std::uint32_t owner_epoch = 0;
   std::uint64_t last_sequence = 0;  ///< the owner's last command frame that was applied
-  /// Whether owner and last command are known; they are not in a window, or if the state of an axis
-  /// of a paused bench was read from its objects.
+  /// Whether owner and last command are known. They are not known in the samples of a black-box
+  /// window, nor if the bench was paused and the state was read from objects.
   bool has_owner = true;
 
   /// Ticks that were not run because the tick number jumped over them, since the start of the call

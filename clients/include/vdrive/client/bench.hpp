@@ -42,7 +42,7 @@ struct AxisId {
 /// @return the address if `text` has the form `bench.axis`, otherwise nothing: it may be a name.
 [[nodiscard]] std::optional<AxisId> parse_axis_id(std::string_view text) noexcept;
 
-/// The description that a bench publishes of one of its axes.
+/// The description of an axis that its bench publishes.
 struct AxisInfo {
   AxisId id;
   std::string name;

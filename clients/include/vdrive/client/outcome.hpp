@@ -68,8 +68,8 @@ class [[nodiscard]] Outcome {
   /// @throws OutcomeError with this outcome, unless it is success.
   void or_throw() const;
 
-  /// The session that holds the axis for which the call was refused, or which the call lost;
-  /// nullptr unless another session is known to be the reason.
+  /// The other session that holds the axis and is the reason why the call was refused or lost the
+  /// axis; nullptr if no such session is known.
   [[nodiscard]] const AxisOwner* owner() const noexcept { return owner_.get(); }
 
   /// @return the same refusal, attributed to `owner`, which replaces the previous owner or the

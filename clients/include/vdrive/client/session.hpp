@@ -58,7 +58,8 @@ struct SessionOptions {
   std::optional<std::uint32_t> bench{};  ///< find this bench only
   KeepAlive keep_alive = KeepAlive::own_thread;
   /// Wall time allowed for finding a service; in the closed mode use kFindTimeoutOfClosedMode. If a
-  /// service has announced itself, or on a busy machine, it may take longer: see find_benches().
+  /// service has announced itself, or on a busy machine, a search may take longer: see
+  /// find_benches().
   std::chrono::milliseconds find_timeout{2000};
   /// A call that waits reports a service as lost when its newest sample is older than this [wall
   /// time, 50 ms or more]. The default is this long because a busy machine may stop a process for
@@ -74,12 +75,13 @@ struct SessionOptions {
   /// the network. With a bus, no network option applies, and a bench is either there or not:
   /// `silence` and `patience` have no effect either. A `silence` out of range is still refused.
   std::shared_ptr<wire::LocalBus> bus{};
-  /// Name of this program that others see as the owner of an axis, with the number of this process
-  /// and the name of its host. At most 64 bytes of UTF-8; empty = the file name of the program.
+  /// Name under which others see this program as the owner of an axis, together with the number of
+  /// this process and the name of its host. At most 64 bytes of UTF-8; empty = the file name of the
+  /// program.
   std::string program{};
   /// For a program that only observes: an idle session takes what has arrived only this often [wall
-  /// time, 0 to 20 ms]. One wakeup then serves many samples; every answer may be as much later. 0 =
-  /// immediately. No effect on a bus of this process.
+  /// time, 0 to 20 ms]. One wakeup then serves many samples, but every answer may arrive later by
+  /// up to this time. 0 = immediately. No effect on a bus of this process.
   std::chrono::milliseconds receive_coalescing{0};
 };
 
@@ -194,8 +196,8 @@ class Follower {
   Outcome next(std::chrono::milliseconds patience, Observation& sample);
 
   /// @return whether next() would return without waiting for time or other steppers: a sample is
-  ///         available, or this session alone steps the bench. An interrupt does not end such a
-  ///         call.
+  ///         available, or this session alone steps the bench. An interrupt does not end next()
+  ///         then.
   [[nodiscard]] bool has_next() const;
 
   /// @return the figures since the follower was made.
@@ -212,8 +214,8 @@ class Follower {
 /// Session::report_status; must not outlive the session.
 class StatusReports {
  public:
-  /// Waits for a report in progress. The observer itself may also destroy this: then the report in
-  /// progress is the last one.
+  /// Waits for a report in progress. The observer itself may also destroy this object: then the
+  /// report in progress is the last one.
   ~StatusReports();
   StatusReports(const StatusReports&) = delete;
   StatusReports& operator=(const StatusReports&) = delete;
@@ -235,20 +237,21 @@ class StatusReports {
 /// A program's presence on a domain: finds benches, and reads, writes and commands their axes.
 ///
 /// A session is identified by a random 64-bit number. It acquires an axis with its first command to
-/// it, keeps all its axes until it ends and releases them then; releasing an axis does not affect
-/// its motion. It does not release an axis that one of its calls has set in endless motion (a
-/// velocity, a torque, a stream, set-points) and that it has not seen stop since, because nothing
-/// would stop a free axis. That axis stays with the session, and the watchdog of the bench stops it
-/// when the session falls silent. Once run_at() or apply_torque() has reached its velocity or
-/// torque, the axis runs on as the program wanted, and is released.
+/// that axis, keeps all its axes until the session ends, and then releases them; releasing an axis
+/// does not affect the motion of the axis. The session does not release an axis that one of its
+/// calls has set in endless motion (a velocity, a torque, a stream, set-points) and that it has not
+/// seen stop since, because nothing would stop a free axis. That axis stays with the session, and
+/// the watchdog of the bench stops it when the session falls silent. Once run_at() or
+/// apply_torque() has reached its velocity or torque, the axis runs on as the program wanted, and
+/// is released.
 ///
 /// Time-outs of motion are drive time, counted in ticks that are run: a jump of the tick number
 /// uses up none of it. In freerun they count from the tick in which the last command of the call
-/// took effect, because such a bench may run minutes of drive time before a command arrives.
-/// Time-outs for finding a service and for noticing its silence are wall time. A call that waits
-/// for drive time fails when its bench is paused. In lock-step, calls that wait step the clock
-/// themselves; while the session has joined the clock (StepClock), they grant their ticks and wait
-/// for the other steppers, up to 10 s of wall time for the next tick.
+/// took effect, because the bench may run minutes of drive time before a command arrives. Time-outs
+/// for finding a service and for noticing its silence are wall time. A call that waits for drive
+/// time fails when its bench is paused. In lock-step, calls that wait step the clock themselves;
+/// while the session has joined the clock (StepClock), they grant their ticks and wait for the
+/// other steppers, up to 10 s of wall time for the next tick.
 ///
 /// In the closed mode the session may have the identity of a viewer: it can read everything
 /// published, and every call that would send something to a bench is refused with kNotPermitted.
@@ -288,8 +291,8 @@ class Session {
 
   /// @return the name of a session, such as the owner of an axis, as its program stated it on first
   ///         acquiring an axis of the bench; nothing for a session without a name, such as a client
-  ///         of another vendor. Waits up to a second for the names from the bench to arrive; after
-  ///         that, up to 100 ms for a session asked for the first time.
+  ///         of another vendor. Waits up to a second for the names from the bench to arrive; later
+  ///         calls wait up to 100 ms for the name of a session that was not asked for before.
   [[nodiscard]] std::optional<SessionName> find_name(std::uint32_t bench, std::uint64_t session);
 
   /// @return as find_name(), without waiting: only names that have arrived since the first call of
@@ -375,7 +378,7 @@ class Session {
   Result<std::uint64_t> take_snapshot(std::uint32_t bench);
 
   /// Restores all axes to the state of a snapshot. The tick number continues, owners keep their
-  /// axes, waiting frames are dropped.
+  /// axes, and command frames that still wait for their tick are dropped.
   /// @return the tick; refused while time passes, if there is no such snapshot, or if another
   ///         session holds an axis.
   Result<std::uint64_t> restore_snapshot(std::uint32_t bench, std::uint64_t snapshot);
@@ -445,9 +448,9 @@ class Session {
   /// drive refuses, such as one out of the range of its object: up to 256 per frame. A set-point
   /// that is refused entirely, such as one for an axis that another session owns, is only an event.
   /// If the observer is slow, the oldest of 65,536 refusals are lost.
-  /// @param observer must not end the session; an empty one ends the reports. When this call
-  ///        returns, no call of the previous observer is in progress, unless this call comes from
-  ///        it. It replaces the previous one.
+  /// @param observer must not end the session; an empty one ends the reports. It replaces the
+  ///        previous observer, which is no longer running when this call returns (unless the
+  ///        previous observer itself made this call).
   void on_set_point_refusal(std::function<void(const SetPointRefusal&)> observer);
 
   /// Calls `observer`, on a thread of the session, with the newest state of these axes: for each of
@@ -478,7 +481,7 @@ class Session {
   Outcome quick_stop(std::uint32_t bench, const CallOptions& options = {});
 
   /// Releases all axes. Their motion is not affected.
-  /// @return failed, naming it, if an axis is running and was not seen to stop: that axis is not
+  /// @return failed, naming the axis, if one is running and was not seen to stop: that axis is not
   ///         released
   Outcome release();
 

@@ -23,7 +23,7 @@ struct SessionName {
 /// @return a text such as "vdrive (process 4711 on bench-host)".
 [[nodiscard]] std::string to_string(const SessionName& name);
 
-/// The session that holds an axis that a call was refused for, or that this session has lost.
+/// The session that holds an axis: a call was refused because of it, or has lost the axis to it.
 struct AxisOwner {
   AxisId axis{};                      ///< 0.0 = the bench did not name one
   std::uint64_t session = 0;          ///< not 0

@@ -35,7 +35,7 @@ class StepClock {
 
   /// Joins the clock of each bench. Without `steppers`, on a bench that is not configured to wait
   /// for steppers, the first of several programs steps alone until the next one has joined: the
-  /// number of these ticks differs from run to run.
+  /// number of ticks that it steps alone differs from run to run.
   /// @param benches by number, each in lock-step; their periods may differ
   /// @param steppers 1 to kMostSteppers: the time of each bench stands still until that many
   ///        sessions, including this one, have joined its clock; after that it passes even if some
@@ -56,9 +56,9 @@ class StepClock {
   /// Steps all benches together and waits for all of them.
   /// @param ticks of each bench; their periods must be equal
   /// @return the tick that each bench has reached, in the order of `join`;
-  ///         timed_out, naming the benches that have not reached it and, for each, the session that
-  ///         it waits for, or that it waits for more steppers: granted ticks stay granted, and the
-  ///         same call again continues with them;
+  ///         timed_out, naming the benches that have not reached it and what each waits for (a
+  ///         session, or more steppers): granted ticks stay granted, and the same call, made again,
+  ///         continues with them;
   ///         timed_out, with nothing granted, if another thread is still stepping this clock;
   ///         lost, naming the bench, if its service fell silent or was restarted: the new run is
   ///         never stepped, and the other benches only after their clock is joined again;
