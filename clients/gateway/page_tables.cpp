@@ -113,8 +113,8 @@ unsigned count_of(const TransitionSet& taken, unsigned& number) {
   return count;
 }
 
-/// The transitions that occur alone: in some state, some event causes no other. Found by visiting
-/// every state.
+/// The transitions that can occur alone: there is a state and an event that causes this transition
+/// and no other one. Found by trying every event in every state that can be reached.
 std::set<Transition> transitions() {
   // Option codes for which quick stop active can be left by enabling, and no transition waits for a
   // ramp.

@@ -24,7 +24,7 @@ constexpr std::string_view kTurnsAMinute = "rpm";
 struct DimensionWords {
   std::string_view name;
   std::string_view units;                   ///< the prefixes of ObjectDescription::units
-  std::array<std::string_view, 3> endings;  ///< after the unit of a position; first one shown
+  std::array<std::string_view, 3> endings;  ///< after the unit of a position; texts use the first
   std::string_view example;
 };
 

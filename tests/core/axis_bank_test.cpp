@@ -381,8 +381,8 @@ TEST(LoadNoise, ReachesAnAxisThatHasSettled) {
   EXPECT_EQ(bank.status(4).motor_position_actual_value, 0);
 }
 
-/// Five axes are lanes 0 to 4 of one block. The first byte of the state that noise on lane 4 sets
-/// to 0x10 is the mask of the lanes with noise.
+/// Five axes are lanes 0 to 4 of one block. Noise on lane 4 changes several bytes of the state. The
+/// first one that goes from 0 to 0x10 is the mask of the lanes with noise.
 TEST(AxisBank, RefusesBytesWithALaneThatItsBlockDoesNotHave) {
   AxisBank bank(std::vector<AxisConfiguration>(5), microseconds{1000});
   const auto before = bank.snapshot().bytes();

@@ -48,7 +48,8 @@ class HomingEndStop : public testing::TestWithParam<EndStopRow> {
         },
         20'000);
     EXPECT_NE(ticks, 0U) << "status " << std::hex << axis.statusword();
-    // In the tick of the jump, 6064h shows the distance moved in this tick from home.
+    // In the tick in which home is found, 6064h changes by the distance moved, and also jumps to
+    // the new frame, which is 0 at home.
     const double found = before - (axis.actual() - axis.velocity() * axis.seconds_per_tick());
     EXPECT_NE(axis.step_until_status(0x3400, 0x1400, 20'000), 0U);
     axis.step(500);

@@ -162,9 +162,11 @@ TEST(JerkProfile, TurnsWithTheSmallerAccelerationOfBothRamps) {
     EXPECT_NEAR(turning, 50.0, 0.25);
     EXPECT_NEAR(slowing, deceleration, 1.0e-9);
     EXPECT_NEAR(speeding, acceleration, 1.0e-9);
-    // The ramp with 50 units/s²: 0.05 s for 1.25 units/s at its outer end, held for
-    // 98.75/50 = 1.975 s. The ramp with 200: 0.2 s and 20 units/s, held for 61.25/200 = 0.30625 s,
-    // 0.15 s and 18.75 units/s between 50 and 200 units/s².
+    // Each ramp covers 100 units/s.
+    // The ramp with 50 units/s²: between 0 and 50 units/s² it takes 0.05 s for 1.25 units/s, and at
+    // 50 units/s² it takes 98.75/50 = 1.975 s.
+    // The ramp with 200 units/s²: between 0 and 200 units/s² it takes 0.2 s for 20 units/s, at
+    // 200 units/s² 61.25/200 = 0.30625 s, and between 200 and 50 units/s² 0.15 s for 18.75 units/s.
     const JerkSegment& last = profile.segment(profile.segment_count() - 2);
     EXPECT_NEAR(last.end_time, 0.05 + 1.975 + 0.2 + 0.30625 + 0.15, 1.0e-12);
   }

@@ -10,9 +10,10 @@
 //
 // The motions of a programme keep every limit, also between the instants of the grid. So the plan
 // is wrong if one of them gets farther than the target. The grid contains the instants of the plan,
-// so the plan itself is one of them. This is exact. Motions that do not fit the grid are bounded by
-// weak duality with the prices y >= 0 of the programme, whose rows bound α·v + β·a at an instant t
-// to b. For any motion x, on a grid or not, with jerk j(t),
+// so the plan itself is one of them. This is exact.
+//
+// The rows of the programme say α·v + β·a <= b at an instant t. With their prices y >= 0, weak
+// duality also bounds motions that do not fit the grid. For any motion x with jerk j(t),
 //   d·x(T) <= Σ y·b + ∫ j(t)·p(t) dt <= Σ y·b + ∫ J·|p(t)| dt,
 //   p(t) = d·(T - t)²/2 - Σ over t_k > t of y_k·(α_k·(t_k - t) + β_k).
 // Such a motion may violate one kind of row: v + a·h/2, which bounds the velocity within a step, by
@@ -172,14 +173,16 @@ class MotionProgramme {
     }
   }
 
-  /// Where two stretches meet, the bounds of both hold: a velocity of 0 there, with the smaller
-  /// acceleration of the two ramps, or an acceleration of 0.
+  /// Where two stretches meet, the bounds of both hold. If their directions differ, the velocity is
+  /// 0 there, and the acceleration is at most the smaller one of both ramps. If only their ramps
+  /// differ, the acceleration is 0.
   void add_bounds(const std::vector<Stretch>& stretches) {
     std::size_t instant = 0;
     for (const Stretch& stretch : stretches) {
       for (const double step : stretch.steps) {
         add_state(stretch, instant);
-        // The velocity within a step lies between its values at the two ends and this one.
+        // The velocity within a step lies between the smallest and the largest of three values:
+        // at its two ends, and v + a·step/2, which is bounded here.
         const double side = stretch.direction;
         const double broken = stretch.jerk * step * step / 8.0;
         add({instant, side, side * step / 2.0, limits_.velocity, broken});

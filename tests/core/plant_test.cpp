@@ -560,7 +560,7 @@ TEST(Plant, FreeMotionIsExactForAnySubStep) {
 }
 
 TEST(Plant, CoulombStopsConvergeWithTheSubStep) {
-  // Stopping distance v²/2a; a sub-step may blur its end by no more than v·h of the last one.
+  // The stopping distance is v²/2a, except for at most the distance travelled in the last sub-step.
   AxisConfiguration configuration = frictionless();
   configuration.model.coulomb_friction = 0.06;
   for (const std::int64_t period : {125, 126, 1'000, 10'000}) {

@@ -170,7 +170,7 @@ struct MovingAxis : EngineUnderTest {
 
   [[nodiscard]] std::int64_t state() { return value(1, 0x6041) & kStateBits; }
 
-  /// Has a write by Bob refused. @return the owner that the refusal names.
+  /// Lets Bob write, which is refused. @return the owner that the refusal names.
   [[nodiscard]] std::uint64_t owner() { return write(kBob, 1, 0x6081, 5).owner_session; }
 };
 

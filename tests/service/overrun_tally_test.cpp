@@ -46,7 +46,8 @@ TEST(OverrunTally, CountsThoseOfASpanAndKeepsTheWorst) {
   ticks.run(2ms, 100us);
   ticks.run(1s, -200us);
   ASSERT_EQ(ticks.reports.size(), 2U);
-  // The span ends a second after the first late tick; the others began 1 ms after that.
+  // This report begins with the second late tick, 1 ms after the first one, and ends 1 s after the
+  // first one: 999 ms.
   EXPECT_EQ(ticks.reports[1], (Overruns{3, 900us, 999ms}));
 }
 

@@ -139,8 +139,9 @@ TEST_F(WritesOfABench, NameWhatTheBenchDoesAndAPowerCycle) {
                                       "1 6040h = 15", "tick 8", "by the bench", "1 6040h = 0"));
 }
 
-// An object of index 0 does not exist; an entry for it would look like a mark and could hide a
-// master.
+// In the list of writes, index 0 denotes a mark (WrittenMark), such as the author of the entries
+// after it. An entry for a write to index 0, which does not exist, would look like a mark and could
+// conceal who wrote.
 TEST_F(WritesOfABench, HaveNoneOfAnObjectThatWouldBeReadAsAMark) {
   bench->write(kBob, 1, 0, 1'000, 1);
   EXPECT_THAT(entries(0), IsEmpty());

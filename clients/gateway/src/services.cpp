@@ -141,8 +141,8 @@ Outcome command_axes(Session& session, std::vector<Axis>& axes, const AxesServic
     }
     return outcome;
   }
-  // A power cycle does without a group, which would wait for a later tick that shows the axes
-  // again: on a paused bench there is none.
+  // A power cycle is not commanded as a group: a group would then wait for the status of its axes
+  // after a later tick, and a paused bench has no later tick.
   if (axes.size() == 1 || service.command == EachCommand::power_cycle) {
     for (Outcome& outcome : session.command_each(axes, *service.command, options(service.until))) {
       if (!outcome) return std::move(outcome);

@@ -145,7 +145,7 @@ class Writer {
 
   virtual void parameters(const bridge::ParameterImage& image) = 0;
 
-  /// Writes data to the file that has waited for some time.
+  /// If data has waited for some time, writes it to the file.
   /// @param now the present time
   virtual void flush(Clock::time_point now) = 0;
 

@@ -20,8 +20,8 @@ class SampleOrder {
   void note(const client::AxisId& axis, std::uint64_t tick);
 
   /// @param last the last sample of the recording
-  /// @return how many axes it has compared with the previous sample of its bench, such as "the tick
-  ///         7 of bench 1 has 1 of 2 axes"; empty if it is complete.
+  /// @return a text that says how many axes of the previous sample of its bench are in `last`, such
+  ///         as "the tick 7 of bench 1 has 1 of 2 axes"; empty if none is missing.
   [[nodiscard]] std::string shortage(const client::Observation& last) const;
 
  private:

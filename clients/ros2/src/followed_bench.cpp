@@ -30,8 +30,8 @@ void FollowedBench::on_open(const client::BenchInfo& /*info*/,
                             const std::vector<client::Axis>& axes) {
   axes_ = axes;
   // The limits are read before the state, because the joints can be commanded once there is a
-  // state. The number of the last answered request is kept: a request that is waiting now has a
-  // number not known here, and is answered by a later read.
+  // state. This read does not answer a new request, so limits_read stays the same: if a request is
+  // waiting, before_turn() reads the limits again for it.
   read_limits(bench_.seen().limits_read);
 }
 

@@ -36,7 +36,7 @@ JointMotion JointTracker::step(double period, const JointLimits& limits) noexcep
   const double speed = std::clamp(wanted, now_.velocity - most, now_.velocity + most);
   const double before = now_.velocity;
   now_ = {now_.position + speed * period, speed, (speed - before) / period};
-  // The remaining distance is below the rounding error of the last step.
+  // A remaining distance below the rounding error of the steps counts as arrived.
   const double rest = std::abs(goal_ - now_.position);
   const double small = 1e-9 * std::max(1.0, std::abs(goal_));
   if (left_ == 0.0 && rest < small && std::abs(speed) <= most) now_ = {goal_, 0.0, 0.0};

@@ -15,9 +15,10 @@ namespace vdrive {
 /// Physical meaning of the user units (UU) of an axis: parts of a revolution or of a length. The
 /// drive knows only UU; programs convert.
 
+/// Kind of a unit, with the units to which it can be converted.
 enum class UnitKind : std::uint8_t {
   rotary,  ///< deg, rad and rev
-  linear,  ///< the unit's own name only; for m, cm, mm and um all four of these
+  linear,  ///< m, cm, mm and um if it is one of these; otherwise only itself
 };
 
 inline constexpr std::size_t kMaxUnitNameLength = 16;  // [bytes]

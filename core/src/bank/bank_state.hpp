@@ -113,8 +113,8 @@ struct AxisBank::State {
   template <typename Visit>
   void for_each_part(Visit visit);
   /// Checks state that was read from a file.
-  /// @return whether every index is in range: of a pool, the modes, the homing methods, the
-  ///         segments of a plan or the lanes of a block.
+  /// @return whether its pool indexes, modes, homing methods, segment counts and sets of lanes are
+  ///         valid.
   [[nodiscard]] bool is_sound() const;
 
   // bank_blocks.cpp: assigns axes to lanes of blocks

@@ -18,8 +18,8 @@ void write_controlword(Drive& drive, std::uint16_t word);
 /// down 5E20h:07 and 5E20h:08.
 void begin_held_back(Drive& drive);
 
-/// Command, after the causes of faults were checked in that tick: counts down 5E20h:09. A cause
-/// that persists therefore raises a fault again in the next tick.
+/// Command, later in such a tick, after the check for causes of faults: counts down 5E20h:09. A
+/// cause that persists therefore raises a fault again in the next tick.
 void end_held_back(Drive& drive);
 
 }  // namespace vdrive

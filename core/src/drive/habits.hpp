@@ -8,9 +8,9 @@
 
 namespace vdrive {
 
-// Habits of other drives (5E20h): behaviour that differs where CiA 402 leaves it open, or
-// contradicts it. All habits are off by default and then cost one comparison per written word,
-// transition or planned motion.
+// Habits of other drives (5E20h): behaviour that differs from ours where CiA 402 leaves a choice,
+// or that contradicts CiA 402. All habits are off by default and then cost one comparison per
+// written word, transition or planned motion.
 
 /// Command: converts 5E20h to the form used below, after it was written.
 void update_habits(Drive& drive) noexcept;
@@ -25,7 +25,7 @@ inline void note_waits(Drive& drive) {
                               waits.power_on != 0 || waits.mode != 0 || waits.reset != 0;
 }
 
-/// Command: starts to hold something back until `ticks` ticks after the next one.
+/// Command: starts to hold something back, which is released `ticks` ticks after the next tick.
 inline void begin_wait(Drive& drive, std::uint32_t& wait, std::uint32_t ticks) {
   wait = ticks + 1U;  // the next tick counts down too
   drive.state().power.waits = true;

@@ -41,9 +41,10 @@ bool moves_as_commanded(Drive& drive, double direction) {
   return run.turned;
 }
 
-/// The search has reached the home switch. The edge is home if home is where the switch closes and
-/// the axis has reached it in the approach direction.
-/// @return whether the edge is home.
+/// The search has reached the home switch. Its closing edge is home if the method has home there
+/// (`onto`) and the axis moves in the approach direction.
+/// @param edge whether the switch has just closed
+/// @return whether home is reached.
 bool find_home_switch(Drive& drive, bool edge) {
   const HomingMethodRow& method = homing_method_of(drive);
   const bool on_the_way = homing_direction(drive) == method.approach;

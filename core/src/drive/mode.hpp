@@ -18,8 +18,8 @@ struct WrittenControlword {
 /// Interface of an operating mode to the rest of the drive. Each file in drive/modes fills in what
 /// it needs; members left out do nothing.
 struct Mode {
-  /// Ramp object [UU/s²] of the normal stop, and of a change of mode if the normal stop only
-  /// removes a torque.
+  /// Ramp object [UU/s²] of the normal stop. If that stop only removes the torque, the axis brakes
+  /// with this ramp before a change of mode.
   ObjectRow normal_ramp = 0;
 
   /// The normal stop follows the profile of 6086h, like the motions of the mode.

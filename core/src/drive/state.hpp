@@ -260,10 +260,10 @@ struct DriveRegisters {
   bool single_encoder = false;  // 6064h is from encoder 1: both readings share one frame
 };
 
-/// One torque unit and the rating of the motor, in the units of the objects.
+/// A torque of 1 UU/s² and the rated current of the motor, in the units of the objects.
 struct alignas(64) UnitBlock {
-  Lane torque_per_mille;   // 6077h of one torque unit
-  Lane current_per_mille;  // 6078h of one torque unit
+  Lane torque_per_mille;   // 6077h at a torque of 1 UU/s² [‰]
+  Lane current_per_mille;  // 6078h at a torque of 1 UU/s² [‰]
   Lane rated_current;      // [mA]
 };
 
@@ -274,7 +274,7 @@ struct alignas(64) SteadyBlock {
   Lane target;                  // internal target [UU]
   Lane target_window;           // 6067h [UU]
   std::uint64_t lanes;          // all steady lanes
-  std::uint64_t standing;       // of these, on the target; DemandBlock::plan_ticks counts the time
+  std::uint64_t standing;       // of these, on the target; plan_ticks counts their steady ticks
   std::uint64_t unpowered;      // of these, without power; only a write ends this
   std::array<std::uint64_t, 5> unused;
 };

@@ -22,7 +22,7 @@ struct alignas(64) EffectParameters {
   Lane ripple;            // peak fraction of the torque [1]
   Lane ripple_turns;      // periods of the ripple [1/UU] of the motor
   Lane brake;             // Coulomb friction of the closed brake [UU/s²]
-  Lane brake_impulse;     // its effect on the velocity of a sub-step [UU/s]
+  Lane brake_impulse;     // change of velocity that it causes in a sub-step [UU/s]
   Lane release_ticks;     // from power on until the brake is open
   Lane engage_ticks;      // from power off until the brake is closed
   Lane lower_stop;        // of the load, as counted at first power-up; -infinity = none [UU]
@@ -41,7 +41,7 @@ struct alignas(64) EffectParameters {
 /// State of the effects of a block.
 struct alignas(64) EffectState {
   Lane brake;          // present Coulomb friction of the brake, 0 = open or none [UU/s²]
-  Lane brake_impulse;  // its effect on the velocity of a sub-step [UU/s]
+  Lane brake_impulse;  // change of velocity that it causes in a sub-step [UU/s]
   Lane powered;        // ServoState::powered of the last tick
   Lane brake_ticks;    // since the power stage was switched, until the brake has followed
   Lane motor_origin;   // Origins::motor [UU]
@@ -78,7 +78,7 @@ struct alignas(64) EffectBlock {
 /// The inputs of an axis's effects, apart from its model and gear.
 struct EffectDesign {
   double period;              // of a tick [s]
-  double velocity_from_load;  // effect of 1 UU/s² at the motor on the velocity of a sub-step [s]
+  double velocity_from_load;  // change of velocity in a sub-step per UU/s² at the motor [s]
 };
 
 /// Fills one lane; its brake takes the new values in the next tick.
@@ -103,7 +103,7 @@ void place_effects(EffectBlock& block, std::size_t lane, const Origins& origins)
 void move_brakes(EffectBlock& block, const ServoState& servo) noexcept;
 
 /// After the sub-steps: makes the heat follow the squares of the currents.
-/// @param current_per_mille 6078h of one torque unit, by lane
+/// @param current_per_mille 6078h at a torque of 1 UU/s² [‰], by lane
 void heat_motors(EffectBlock& block, const ServoState& servo,
                  const Lane& current_per_mille) noexcept;
 

@@ -47,7 +47,7 @@ struct alignas(64) RigidParameters {
   Lane torque_from_torque;
   Lane torque_from_command;
   Lane friction;          // Coulomb friction [UU/s²]
-  Lane friction_impulse;  // its effect on the velocity of a sub-step [UU/s]
+  Lane friction_impulse;  // change of velocity that it causes in a sub-step [UU/s]
 };
 
 /// Seven coefficients of one output of the elastic model.
@@ -78,7 +78,7 @@ struct alignas(64) ElasticParameters {
   Lane half_backlash;          // [UU] at the load
   Lane friction;               // motor side [UU/s²]
   Lane load_friction;          // load side [UU/s²]
-  Lane friction_impulse;       // effect of `friction` on the velocity of a sub-step [UU/s]
+  Lane friction_impulse;       // change of velocity by `friction` in a sub-step [UU/s]
   Lane load_friction_impulse;  // the same for `load_friction`
 };
 
@@ -114,7 +114,7 @@ struct alignas(64) DemandBlock {
   Lane segment_acceleration;  // [UU/s²]
   Lane reference_time;        // [s] since the plan
   Lane end_time;              // of the segment [s] since the plan
-  Lane plan_ticks;            // since the plan
+  Lane plan_ticks;            // since the plan; but see SteadyBlock::standing
   Lane position;              // at the end of the last tick [UU]
   Lane velocity;              // at the end of the last tick [UU/s]
   Lane segment_jerk;          // 0 outside of BlockState::jerk_limited [UU/s³]

@@ -32,11 +32,12 @@ struct Gains {
   double velocity;
 };
 
-/// Slows down loops that would ring on a soft shaft. To the load, the velocity loop is a damper
-/// behind the spring of the shaft: a stiff loop damps the resonance of the load by 1/2 sqrt(k J) /
-/// damper, and the position loop excites it by 1/2 position gain / resonance. If the excitation
-/// exceeds the damping, the damper is matched to the spring, which damps best, and the position
-/// loop keeps its ratio to the velocity loop.
+/// Slows down loops that would ring on a soft shaft. To the load (inertia J), the velocity loop is
+/// a damper (coefficient d) behind the spring of the shaft (stiffness k). A stiff loop gives the
+/// resonance of the load the damping ratio sqrt(k J) / (2 d), to which the coupling adds its own.
+/// The position loop reduces it by position gain / (2 resonance). If nothing would be left, d is
+/// matched to the spring, d = sqrt(k J), which damps best, and the position loop keeps its ratio to
+/// the velocity loop.
 Gains on_shaft(const AxisModel& model, double ratio, const Gains& wanted) {
   const double impedance = std::sqrt(model.coupling_stiffness * model.load_inertia);
   const double resonance = std::sqrt(model.coupling_stiffness / model.load_inertia);

@@ -58,7 +58,7 @@ class DdsWriter final : public SampleWriter, public dds::DataWriterListener {
   /// Time at which the last reader joined.
   std::atomic<Clock::time_point> joined_{Clock::time_point{} - kLongestSilence};
 
-  std::mutex observing_;  ///< makes the newest list the last one reported
+  std::mutex observing_;  ///< keeps the reports to `observer_` in the order of the matches
   Observer observer_;
 };
 

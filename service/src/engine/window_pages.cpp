@@ -20,8 +20,8 @@ constexpr std::size_t kMostObjects = msg::MAX_OBJECTS_PER_REQUEST;
 /// An entry, preceded by up to three marks: its tick, its author and its session.
 constexpr std::size_t kItemWithMarks = 4;
 
-/// @return whether the object is among those whose values are shown for Item::state: all that may
-///         have been written before it.
+/// @return whether Item::state shows the value of this object. It shows every writable object, as
+///         any may have been written before, except those that store or restore parameters.
 constexpr bool is_shown(const ObjectDescription& row) noexcept {
   return row.access == Access::read_write && row.change != Change::memory;
 }

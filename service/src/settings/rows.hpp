@@ -35,7 +35,8 @@ struct ConfigurationKey {
 
 // ---- what a value may be -----------------------------------------------------------------------
 
-/// Any value of the type of its place, which is the member of a settings object that receives it.
+/// Any value that has the type of its place. The place of a value is the member of a settings
+/// object that receives it.
 struct Any {};
 
 /// A text that must meet further conditions.

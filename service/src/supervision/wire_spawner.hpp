@@ -26,7 +26,9 @@ class WireSpawner {
   /// @param region descriptor that wires inherit
   /// @throws std::system_error
   explicit WireSpawner(int region);
-  ~WireSpawner();  ///< ends wire and spawner, within 0.1 s unless one of them is stopped or held
+  /// Ends wire and spawner, and waits for that for 0.1 s at most. A spawner that is stopped, and a
+  /// process that the kernel keeps for a core dump or a debugger, may end later.
+  ~WireSpawner();
   WireSpawner(const WireSpawner&) = delete;
   WireSpawner& operator=(const WireSpawner&) = delete;
 

@@ -36,8 +36,8 @@ struct BoundedSide {
   Real w_cap = 0.0L;
   Real jerk = 0.0L;
 
-  /// @return w at a velocity; the cap if the difference is only rounding: the jerk times the
-  ///         rounding error of the velocity.
+  /// @return w at a velocity. A w that differs from the cap only by rounding (such as the rounding
+  ///         error of the velocity times the jerk) counts as the cap.
   [[nodiscard]] Real w(Real velocity) const {
     const Real change = jerk * (velocity - begin);
     const Real most = std::min({w_begin + change, w_end + jerk * (end - velocity), w_cap});

@@ -14,9 +14,9 @@ namespace vdrive::test {
 /// takes in the row that is violated most until none is. The result can be checked without trusting
 /// it. With any prices >= 0 of the rows
 ///   objective·z <= Σ price·bound + Σ |objective - Σ price·row|
-/// holds for each allowed z (weak duality), and the same without the objective shows that no z is
-/// allowed if the right side is below 0. `ceiling` and `proof_of_none` calculate these right sides
-/// from the rows; `breach` calculates by how much a z violates the bounds.
+/// holds for each allowed z (weak duality). With objective = 0 the left side is 0, so if the right
+/// side is then below 0, no z is allowed. `ceiling` and `proof_of_none` calculate these two right
+/// sides from the rows; `breach` calculates by how much a z violates the bounds.
 class LinearProgramme {
  public:
   enum class End : std::uint8_t {

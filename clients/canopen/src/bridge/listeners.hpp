@@ -11,9 +11,9 @@
 
 namespace vdrive::canopen {
 
-/// Finds the recipients of a frame by its identifier: most frames on a bus are for no node of the
-/// group, and few for more than one. Too many recipients do no harm, because a node ignores frames
-/// that are not for it.
+/// Finds the recipients of a frame by its identifier: most frames on a bus are for none of the
+/// nodes added here, and few are for more than one of them. Too many recipients do no harm, because
+/// a node ignores frames that are not for it.
 class Listeners {
  public:
   /// The recipients of a frame.

@@ -128,8 +128,9 @@ function control(gateway: FakeGateway, you: boolean, holder = "page", session = 
   gateway.publish("/gateway/control", { enabled: true, holder, you, name: "page", session, taken_at_ns: "0", silence_ms: 10_000 });
 }
 
-/** @param owner as a number
- *  @param velocity [UU/s] of the demand; an axis in profile position mode */
+/** Publishes the status of axis 1.1 in profile position mode.
+ *  @param owner number of the session that owns the axis
+ *  @param velocity [UU/s] demand and actual velocity */
 function status(gateway: FakeGateway, tick: number, owner: number, velocity = 0): void {
   gateway.publish("/bench1/status", {
     tick,

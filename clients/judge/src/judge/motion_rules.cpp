@@ -20,7 +20,7 @@ using namespace std::chrono_literals;
 constexpr std::int64_t kStepsOfAJump = 20;  // a jump is this many times the longest step
 constexpr std::uint32_t kStepsToKnow = 10;
 constexpr Time kStandingTarget = 1s;      // an older target is not streamed
-constexpr std::int64_t kCertainStep = 4;  // [user units]: after such a step, a new target is due
+constexpr std::int64_t kCertainStep = 4;  // [user units]: a shorter step may mean a standing axis
 constexpr double kGap = 1.5;              // [periods]
 constexpr double kPause = 20;             // [periods]: the stream has ended, and another one starts
 constexpr double kSpeedTolerance = 1.05;

@@ -42,8 +42,7 @@ std::string_view command_text(PowerCommand command) {
   return {};
 }
 
-/// @return the number truncated to three digits, or at its decimal point if it has more digits
-///         before it.
+/// @return the number cut off after three digits, but not before its decimal point.
 std::string shortened(double value) {
   const std::size_t digits = value < 10 ? 2 : (value < 100 ? 1 : 0);
   std::string text = std::to_string(value);

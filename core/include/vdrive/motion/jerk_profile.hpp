@@ -138,7 +138,8 @@ class JerkProfile {
                                              const MotionJerk& jerk) noexcept;
 
 /// Plans the fastest stop with `deceleration` [user units/s²] > 0. An axis that is speeding up gets
-/// faster first; one about to reverse reverses and stops on the way back.
+/// faster first. If the acceleration at the start carries the velocity through 0, the axis reverses
+/// first and stops on the way back.
 [[nodiscard]] JerkProfile plan_jerk_stop(const MotionSample& start, double deceleration,
                                          const MotionJerk& jerk) noexcept;
 

@@ -73,7 +73,8 @@ class CommandDecoder {
   void resize(std::vector<msg::AxisCommand>& axes, std::size_t count);
   Decoding result_of(const CdrReader& reader) noexcept;
 
-  std::vector<msg::AxisCommand> spare_;  ///< unused; keep the capacity of their sequences
+  /// Commands that are not in use, kept for the capacity of their sequences.
+  std::vector<msg::AxisCommand> spare_;
   msg::Reason too_long_{};
 };
 

@@ -46,7 +46,7 @@ inline constexpr std::int32_t kAxesInDomain = 65'536;
 inline constexpr std::int32_t kBenchesInDomain = 1'024;
 inline constexpr std::int32_t kBenchPartsInDomain = 4'096;
 inline constexpr std::int32_t kSessionsInDomain = 65'536;
-inline constexpr std::int32_t kSessionsOfBench = 256;  // places of `bench_session`
+inline constexpr std::int32_t kSessionsOfBench = 256;  // instances of `bench_session` per bench
 inline constexpr std::int32_t kQueueDepth = 1'024;
 
 /// The topics. To add one, add a struct to the IDL and a row here: its number, codec, key, type

@@ -42,7 +42,7 @@ void limit_announcements(dds::DomainParticipantQos& qos, std::uint32_t largest) 
 }
 
 void announce_no_types(dds::DomainParticipantQos& /*qos*/) {
-  // A LibraryType has none.
+  // Nothing to do: a LibraryType has no type description that could be announced.
 }
 
 void deliver_through_the_transport() {

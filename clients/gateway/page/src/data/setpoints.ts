@@ -37,7 +37,8 @@ export interface HeldSetPoints {
 }
 
 /**
- * @param control and status 6040h and 6041h after the same tick
+ * @param control 6040h
+ * @param status 6041h after the same tick
  * @param mode 6061h
  * @return undefined in modes other than profile position, in states other than Operation enabled, and under halt,
  *         where bit 10 means standstill

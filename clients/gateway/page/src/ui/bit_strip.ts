@@ -7,8 +7,8 @@ import { t, type TextKey } from "../i18n";
 import { colour, fit, h, put } from "./dom";
 import { AXIS_WIDTH, RIGHT_MARGIN, type Shown } from "./strip";
 
-/** `number` is set for a bit that belongs to the handshake only in profile position mode: in other modes it labels the
- *  row. */
+/** Bits 4 and 12 belong to the handshake only in profile position mode. In other modes their row is labelled with
+ *  `number` instead of `text`. */
 const BITS: { series: string; text: TextKey; number?: number }[] = [
   { series: "new_set_point", text: "bit4", number: 4 },
   { series: "acknowledge", text: "bit12", number: 12 },

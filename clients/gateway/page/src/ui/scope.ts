@@ -690,8 +690,9 @@ export class Scope implements View {
     this.dirty = true;
   }
 
-  /** @return the height [px] of each plot: together they fill the rest of the window below the top of the scope or, if
-   *          the scope begins in the lower half, as below the controls on a narrow screen, a whole window */
+  /** All plots together fill the window from the top of the scope down. If the scope begins in the lower half of the
+   *  window (on a narrow screen it is below the controls), they fill a whole window.
+   *  @return the height [px] of each plot */
   private heightIn(main: HTMLElement): number {
     const others = this.root.offsetHeight - this.plots.reduce((sum, { plot }) => sum + plot.height, 0);
     const top = this.root.getBoundingClientRect().top - main.getBoundingClientRect().top + main.scrollTop;

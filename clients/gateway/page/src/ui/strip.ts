@@ -48,7 +48,8 @@ interface Line extends Signal {
   reading: HTMLElement;
 }
 
-/** Colours of signals that are not demands; the last of these signals has the first colour. */
+/** Colours of signals that are not demands, assigned from the last such signal to the first. If there are more signals
+ *  than colours, the remaining signals share the last colour. */
 const COLOURS = ["line-1", "line-3", "line-4"];
 
 function linesOf(signals: readonly Signal[]): Line[] {
