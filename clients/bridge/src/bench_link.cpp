@@ -51,8 +51,9 @@ void BenchLink::run(const std::stop_token& stop) {
       continue;
     }
     adapter_.before_turn(*this);
-    // A client that asks for control gets it even while time stands still. Otherwise acquire only
-    // with a new state: a refusal is an event for all clients of the bench.
+    // Control that a client asks for is acquired even while time stands still. Automatic control is
+    // acquired only with a new state, in show(), because each refusal is an event for all clients
+    // of the bench.
     if (newest_ && !control_.is_automatic()) {
       if (auto held = control_.keep(newest_->axes)) show(std::move(*held));
     }

@@ -36,8 +36,8 @@ void leave(Value&& value) noexcept {
 /// @throws py::error_already_set with vdrive.Forked if a parent process had a session
 void require_dds();
 
-/// Makes processes that are forked once a DDS session was opened skip the destructors of statics
-/// when they exit.
+/// From now on, a forked process skips the destructors of statics when it exits, if a DDS session
+/// was opened before the fork.
 void watch_forks();
 
 }  // namespace vdrive::python

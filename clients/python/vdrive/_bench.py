@@ -117,8 +117,8 @@ class Bench:
         DDS domain. number: of the bench, 1 to 65535, by default as configured, otherwise 1.
         state: directory where parameters can be stored. journal: file for judge() and
         `vdrived --replay`. beside: another bench with the same `over`; sessions of either bench find
-        both. Only over DDS: arguments, additional ones for vdrived; service, path of vdrived, by
-        default find_service(); domain, 0 to 232, to find other benches there, instead of `beside`.
+        both. Only over DDS: `arguments` (additional ones for vdrived), `service` (path of vdrived, by
+        default find_service()) and `domain` (0 to 232, to find other benches there, instead of `beside`).
 
         Raises ConfigurationError for a value that is out of range, unknown or contradicts another one,
         and TypeError for one of a wrong type; both name the argument.

@@ -114,7 +114,7 @@ class Observer:
     def _start(thread: threading.Thread) -> None:
         with _changed:
             thread.start()
-            _alive.add(thread)  # before it can end, because that needs the lock
+            _alive.add(thread)  # in time: the thread cannot end before this, because its end needs the lock
 
     def _run(self, stream: Stream) -> None:
         try:

@@ -293,7 +293,7 @@ class _Judge:
         return vdrive.judge(self.journal, off=self._off)
 
     def failure(self) -> tuple[str, list[str]]:
-        """Return why the test fails, or an empty text, and the exceptions that cover nothing."""
+        """Return why the test fails, or an empty text, and the rules in `off` that were not broken."""
         try:
             verdict = self.verdict()
         except Exception as error:  # such as an error in the marker

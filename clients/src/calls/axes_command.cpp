@@ -57,8 +57,9 @@ struct AxesCommand::Row {
   void (AxesCommand::*await_before)() = nullptr;
   std::string_view awaited;
   PowerState end_state = PowerState::operation_enabled;  ///< for await_end_state()
-  bool stays_enabled = false;  ///< in Operation enabled afterwards; otherwise only without a fault
-  bool ends_faults = false;    ///< afterwards no axis of the group has a fault
+  /// true: afterwards the axis must be in Operation enabled; false: only without a fault.
+  bool stays_enabled = false;
+  bool ends_faults = false;      ///< afterwards no axis of the group has a fault
   void (AxesCommand::*reach)();  ///< waits until it is done
 };
 

@@ -82,13 +82,13 @@ class ObservedAxes {
   /// Observes what has arrived so far, without waiting; in lock-step the present state.
   Outcome refresh();
 
-  /// Observes the axes again, as they were when this call began or later. A delayed sample may show
-  /// an older state than an answer that another session has already received. So a call looks again
-  /// before it is refused because of the state of the axes. Does nothing in lock-step, where every
-  /// observation is the answer to a request.
+  /// Observes the axes again, as they were when this call began or later. Samples may be delayed: a
+  /// command of another session may already be answered, while the newest sample is older than its
+  /// effect. So a call looks again before it is refused because of the state of the axes. Does
+  /// nothing in lock-step, where every observation is the answer to a request.
   Outcome look_again();
 
-  /// Makes calls that wait for a sample end with `failed` once a stop is requested.
+  /// After a request to stop, a call that waits for a sample returns `failed`.
   void stop_by(std::stop_token stop) { stop_ = std::move(stop); }
 
   /// @return `outcome`; if it is `lost`, the part is lost from now on, and for a group the message

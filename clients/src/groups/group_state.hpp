@@ -43,7 +43,7 @@ struct ActiveLine {
 /// The values sent to the axes with their targets, and the course that results.
 struct LinePlan {
   LineTimes times;
-  std::vector<std::int64_t> reference_ways;  ///< 5E10h:05 [UU]; each 0 from rest
+  std::vector<std::int64_t> reference_ways;  ///< 5E10h:05 [UU]; all 0 if the line starts from rest
   std::chrono::microseconds duration{0};     ///< an upper bound if the line starts in motion
   LineCourse course;
 };
@@ -157,7 +157,8 @@ struct AxisGroup::State {
   static void withdraw(AxesCall& call);
 };
 
-/// @return a round that sets the mode of every axis, or of none.
+/// @return a round that sets the mode of every axis; if one axis of a bench refuses it, no axis of
+///         that bench gets it.
 [[nodiscard]] Round mode_round(const AxesCall& call, OperatingMode mode);
 
 /// @return the time-out of a call that is not a move.

@@ -37,7 +37,8 @@ WrittenMark mark_of(const msg::ObjectResult& entry) {
   return static_cast<WrittenMark>(entry.subindex);
 }
 
-/// Applies a mark to the writes that follow it.
+/// The answer lists marks between the writes. Some stand for an event; the others give the tick or
+/// the author of the writes that follow: takes these into `next`.
 void take_context(const msg::ObjectResult& mark, AxisWrite& next) {
   const auto value = static_cast<std::uint64_t>(mark.value);
   switch (mark_of(mark)) {

@@ -33,7 +33,8 @@ struct Finding {
 /// @return a line of `vdrive doctor`.
 [[nodiscard]] Record finding_record(const Finding& finding);
 
-/// Whether a datagram to the discovery group of DDS, sent from one of our addresses, arrives there.
+/// Whether multicast works on one of our addresses: a datagram sent from it to the discovery group
+/// of DDS reaches a socket that has joined the group on the same address.
 struct MulticastReading {
   std::string address;
   bool is_received = false;

@@ -31,8 +31,8 @@ using Clock = std::chrono::steady_clock;
 using namespace std::chrono_literals;
 
 constexpr std::uint32_t kBench = 1;
-// The size of a usual bench. Measuring the speed needs enough axes to fill every lane of the core's
-// blocks.
+// A usual bench has 64 axes. The speed is measured with many more, because the core computes
+// several axes at once, and few axes would not use it fully.
 constexpr std::size_t kAxesOfLateness = 64;
 constexpr std::size_t kAxesOfSteps = 64;
 constexpr std::size_t kAxesOfSpeed = 1'024;

@@ -120,8 +120,8 @@ class ValueObserver {
     }
   }
 
-  /// @return whether every realtime tick can be observed, because the status stream contains the
-  ///         object.
+  /// @return whether every tick can be observed: always in lock-step, otherwise if the status
+  ///         stream contains the object.
   [[nodiscard]] bool sees_every_tick() const { return is_lockstep_ || is_streamed_; }
 
   [[nodiscard]] std::uint64_t tick() const { return tick_; }

@@ -129,7 +129,7 @@ struct TimeUnit {
 };
 
 TimeUnit unit_for(double seconds) {
-  constexpr double kFewest = 0.5;  // in this unit, over the full width
+  constexpr double kFewest = 0.5;  // a unit is used if the full width is at least this many of it
   constexpr std::array kTimeUnits{TimeUnit{"s", 1.0}, TimeUnit{"ms", 1e-3}};
   for (const TimeUnit& unit : kTimeUnits) {
     if (seconds >= kFewest * unit.seconds) return unit;

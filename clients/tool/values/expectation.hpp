@@ -51,8 +51,8 @@ struct Expectation {
 [[nodiscard]] std::string decoded_text(const Expectation& expectation, std::int64_t actual,
                                        OperatingMode mode);
 
-/// @throws UsageError for an object that does not exist, and for a value that its range can never
-///         fulfil.
+/// @throws UsageError for an object that does not exist, and for a comparison that no value in the
+///         range of the object fulfils.
 void check_expectation(const Expectation& expectation);
 
 /// @return such as "<=".

@@ -136,10 +136,10 @@ class Axis {
   /// waits for standstill first. A drive may take time to power on: until then it shows Switched
   /// on, and Until::in_force returns in that state.
   ///
-  /// The axis does not move: with the last controlword, 60FFh, 6042h and 6071h are set to 0,
-  /// because another program may have left values there that a drive would follow immediately. With
-  /// `options.keep_target` they keep their values, and the axis may start moving. If the axis is in
-  /// Operation enabled already, nothing is written.
+  /// The axis does not move: together with the last controlword, the call sets 60FFh, 6042h and
+  /// 6071h to 0, because another program may have left values there that a drive would follow
+  /// immediately. With `options.keep_target` they keep their values, and the axis may start moving.
+  /// If the axis is in Operation enabled already, nothing is written.
   /// @return refused in a fault: reset it first; failed if the drive stays in another state.
   Outcome enable(const CallOptions& options = {});
 

@@ -129,8 +129,8 @@ struct SetPoint {
   std::vector<ObjectValue> objects{};
 };
 
-/// The objects to set to 0 before a stream that only sends one set-point per tick: 60C2h:01 and the
-/// offsets 60B0h, 60B1h and 60B2h, which another master may have set.
+/// The objects to set to 0 before a stream of one set-point per tick, because another master may
+/// have set them: 60C2h:01 and the offsets 60B0h, 60B1h and 60B2h.
 [[nodiscard]] std::vector<ObjectValue> objects_before_stream();
 
 /// Set-points that take effect in one tick.
