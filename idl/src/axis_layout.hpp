@@ -181,7 +181,8 @@ class AxisSequence {
     return is_aligned ? kAxisLayout<0>.size : kAxisLayout<4>.size;
   }
 
-  /// The first axis starts where the sequence does, the others at the end of an axis.
+  /// The first axis starts where the sequence does, each further one where the previous one ends.
+  /// All axes end at the same alignment (kEnd).
   [[nodiscard]] constexpr bool is_aligned(std::size_t position) const noexcept {
     return position == 0 ? is_aligned_ : kEnd == 0;
   }

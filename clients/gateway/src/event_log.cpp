@@ -20,8 +20,8 @@ void EventLog::add(const client::Event& event) {
     bench.counts.clear();
     bench.incarnation = event.incarnation;
   }
-  // Not simply appended: of equal events that it suppressed, the bench sends the last one up to a
-  // second late, with its own, earlier tick.
+  // Not simply appended: if the bench has suppressed equal events, it sends the last of them up to
+  // a second late, with the tick at which that event happened.
   events.insert(std::ranges::upper_bound(events, event.tick, {}, &client::Event::tick), event);
   ++bench.counts[event.kind];
   if (events.size() > kMostOfABench) forget_one(bench);

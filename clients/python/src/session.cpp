@@ -94,9 +94,9 @@ struct PyFollower {
   py::array kept{};       ///< received by a take() that then raised
   std::size_t given = 0;  ///< samples of `kept` already returned
 
-  /// Reserves samples of `left`, the rest of the `count` of follow(), for one call, because another
-  /// thread may call at the same time. Guarded by the interpreter lock. The destructor gives back
-  /// to `left` the part that was not received.
+  /// Reserves samples for one call, because another thread may call at the same time: subtracts
+  /// them from `left`, which is what remains of the `count` of follow(). The destructor adds those
+  /// not received back to `left`. Guarded by the interpreter lock.
   class Share {
    public:
     /// @param size at most the remaining number

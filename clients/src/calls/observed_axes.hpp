@@ -149,14 +149,16 @@ class ObservedAxes {
 
 /// For a call that has ended. The refusal of a command frame with an outdated epoch does not say
 /// who has taken the axes, but their status does. Waits for that status and for the name of the new
-/// owner, which takes about a second at most as long as samples of the bench arrive.
+/// owner: while samples of the bench arrive, about a second at most.
 /// @param axes that the call has commanded
 /// @return for a refusal of this kind: the refusal with the session that holds one of the axes now,
-///         if any; any other outcome unchanged.
+///         if any; an outcome that has an owner without a name: with the name, if it is known; any
+///         other outcome unchanged.
 [[nodiscard]] Outcome explain_loss(SessionCore& core, Outcome outcome,
                                    std::span<const AxisId> axes);
 
-/// As explain_loss(), for a call with one outcome per axis.
+/// As explain_loss(), for a call with one outcome per axis. Outcomes that have an owner stay
+/// unchanged.
 void explain_losses(SessionCore& core, std::span<Outcome> outcomes, std::span<const AxisId> axes);
 
 }  // namespace vdrive::client

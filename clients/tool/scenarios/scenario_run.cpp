@@ -414,9 +414,9 @@ class ScenariosApart {
     const std::string results = run.output();
     const auto end = end_of_file(results);
     if (end) output_ = end->output;
-    // If the process has reported that the file passed, the file still counts as passed when only
-    // its output could not be written. It does not if the process then failed, while it shut down
-    // the bench.
+    // A file that the process has reported as passed still counts as passed if only the output
+    // could not be written. It counts as failed if the process failed afterwards, while it shut
+    // down the bench.
     const bool has_ended_well = code == 0 || output_ != FileEnd::Stream::open;
     if (end && code >= 0 && (has_ended_well || !end->failure.empty() || interrupt_.happened())) {
       return verdict_of(

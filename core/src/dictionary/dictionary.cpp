@@ -242,7 +242,7 @@ AbortCode check_value_on_modulo_axis(ObjectRow row, std::int64_t value) noexcept
 
 std::vector<std::int64_t> few_values(ObjectRow row) {
   constexpr std::int64_t kMostLooked = 65'535;  // the span of a 16-bit object
-  constexpr std::size_t kFew = 40;              // the methods of 6098h, which a shell completes
+  constexpr std::size_t kFew = 40;              // enough for shell completion of 6098h
   const ObjectDescription& object = describe(row);
   std::vector<std::int64_t> values;
   const bool is_looked_at =

@@ -32,8 +32,9 @@ bool home_switch_changes(Drive& drive, bool active) {
   return changes;
 }
 
-/// An edge passed while the axis is still braking is on the other side of the switch, or will be
-/// passed again. So edges count only once both demand and axis move in the direction of the stage.
+/// At the start of a stage the axis may still be braking from the previous one. An edge that it
+/// passes then is on the other side of the switch, or will be passed again. So edges count only
+/// once both demand and axis move in the direction of the stage.
 bool moves_as_commanded(Drive& drive, double direction) {
   HomingRun& run = drive.registers().homing;
   run.turned = run.turned || (direction * demand_velocity(drive) > 0.0 &&

@@ -30,12 +30,13 @@
 //   forward builds up with the jerk of the deceleration; and after a larger overshoot the braking
 //   ends with the jerk of the acceleration. Such motions are not used: a different jerk for slowing
 //   down is not a request to start in the wrong direction.
-//   The end of the stop moves forward with τ: along a stop dP/dt + v = 0, so if in some state the
-//   change has the jerk j and a stop would have j', the end of the stop moves at the rate
-//   ∂P/∂a·(j - j'). With more acceleration the axis stops farther ahead (∂P/∂a >= 0), and j >= j',
-//   since both jerks have the same bounds there and the change takes the highest. Where j = j' (the
-//   fall to u, the return into limits) τ does not matter. So the instant is the root of a monotonic
-//   function, found piece by piece and, within a piece, by the secant of its bracket.
+//   The end of the stop, x + P(v, a), moves forward with τ. During a stop it stays where it is:
+//   v + dP/dt = 0. The change differs from the stop only in its jerk, j instead of j', so during
+//   the change the end moves at the rate ∂P/∂a·(j - j'). With more acceleration the axis stops
+//   farther ahead (∂P/∂a >= 0), and j >= j', since both jerks have the same bounds there and the
+//   change takes the highest. Where j = j' (the fall to u, the return into limits) τ does not
+//   matter. So the instant is the root of a monotonic function, found piece by piece and, within a
+//   piece, by the secant of its bracket.
 //   If a < 0 at the start and the target is just beyond the end of a stop, the change to +V is left
 //   before a is back at 0: the axis brakes, brakes less, and brakes harder again. An overshoot
 //   forced by J is a stop that ends beyond the target: u = -V.
@@ -454,9 +455,9 @@ namespace {
 
 /// Adds a stop lengthened by `missing`. If a stop takes long to end its acceleration, two
 /// neighbouring floating-point leaving times give ends that differ by more than rounding. To make
-/// up the difference, the stop holds the velocity at which the acceleration has become 0, for less
-/// time than the next piece takes. At almost zero velocity that time would be longer, but there the
-/// ends differ only by rounding.
+/// up the difference, the stop holds its velocity once the acceleration has become 0, but only if
+/// this takes less time than the next piece. At almost zero velocity it would take longer and is
+/// left out: there the ends differ only by rounding.
 void add_longer(JerkProfileBuilder& builder, const Ramp& stop, double direction, double missing) {
   for (std::size_t i = 0; i < stop.count; ++i) {
     const Piece& piece = stop.pieces[i];

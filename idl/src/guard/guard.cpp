@@ -115,8 +115,8 @@ std::optional<ByteView> Guard::with_plausible_numbers(ByteView datagram, Clock::
   if (mode_ == Mode::closed) return datagram;
   const WriterNumbers::Report report = numbers_.receive(datagram, now, renumbered);
   if (report.needs_resync && !keeps_leases_) {
-    // The guard cannot make the library start over here, so the library processes the numbers as it
-    // would without the guard.
+    // With discovery servers the library handles the leases, and the guard cannot make it forget a
+    // participant. So the library processes the numbers as it would without the guard.
     numbers_.removed(*report.needs_resync);
     return datagram;
   }

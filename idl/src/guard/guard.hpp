@@ -117,13 +117,13 @@ class Guard {
   std::atomic<bool> has_begun_{false};  ///< begin() was called, or a channel has closed
   /// Serialises announcements and removals of participants. A participant announces itself on
   /// several channels. The library drops the second announcement while another thread is still
-  /// processing the first, and would then also ignore what the participant sends next. When it adds
-  /// a participant, it continues to process it after releasing its lock, so a removal must wait for
-  /// that (Fast DDS 2.9 and 3.1; 3.1 works on a copy and could bring back the endpoints of a
-  /// participant that has just been removed).
+  /// processing the first, and would then also ignore what the participant sends next. When the
+  /// library adds a participant, it releases its own lock before it has finished, so a removal must
+  /// wait until it has (Fast DDS 2.9 and 3.1; 3.1 works on a copy and could bring back the
+  /// endpoints of a participant that has just been removed).
   std::mutex announcing_;
 
-  DeletionGate deletions_;   ///< taken before all locks of this class except `keeper_mutex_`
+  DeletionGate deletions_;   ///< taken only while no other lock of this class is held
   std::mutex handing_over_;  ///< held while a datagram made by the guard goes through a channel
   std::mutex channels_mutex_;
   std::map<Locator, Receiver*> channels_;

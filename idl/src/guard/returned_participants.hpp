@@ -13,7 +13,7 @@ namespace vdrive::wire {
 /// Participants that were removed because they were silent and now announce themselves again.
 ///
 /// Such a participant may not have noticed anything: it was suspended, or the network path was
-/// interrupted. It still considers everything that it sent earlier received. 70 ms after the
+/// interrupted. It still assumes that everything it sent earlier was received. 70 ms after the
 /// library has matched a writer, it sends that writer an ACKNACK with number 0, and the writer then
 /// sends everything again. But if a heartbeat arrives before that, the library requests individual
 /// samples, and the writer ignores requests for samples that were once acknowledged

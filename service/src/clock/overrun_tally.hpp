@@ -10,9 +10,9 @@
 namespace vdrive::service {
 
 /// Reports late ticks, which end after their deadline, in few events: the first one immediately,
-/// later ones as a count at the end of a span. On a machine that is too slow they never stop, so
-/// the span doubles while they continue, and is short again once twice its length has passed
-/// without any. The caller passes the monotonic time.
+/// later ones as a count at the end of a span. On a machine that is too slow, ticks are late all
+/// the time. So the span doubles as long as late ticks continue, and is short again once no tick
+/// has been late for twice its length. The caller passes the monotonic time.
 class OverrunTally {
  public:
   static constexpr std::chrono::seconds kShortestSpan{1};

@@ -143,8 +143,9 @@ void start(Drive& drive, const SetPoint& set_point) {
   if (r.set_point.times.duration > 0.0) {
     r.set_point.limits =
         limits_of(way_of_times(drive, set_point, s.target.position), r.set_point.times);
+    // A move over no distance has deceleration 0, but the stop of a halt needs one above 0.
     if (r.set_point.limits.deceleration == 0.0) {
-      r.set_point.limits.deceleration = 1.0;  // no distance, but halt still plans a stop
+      r.set_point.limits.deceleration = 1.0;
     }
   }
   // Rebasing makes the present plan invalid. A request equal to the previous one would not be
