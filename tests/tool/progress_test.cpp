@@ -62,7 +62,8 @@ class ProgressOnATerminal : public testing::Test {
 TEST_F(ProgressOnATerminal, OfAMoveIsOneLineThatIsRewrittenAndRemoved) {
   PseudoTerminal move(kRowsOfProgress, 100, "move 1.1 80000 --velocity 10000");
   ASSERT_TRUE(move.wait_until(has_row("axis 1.1: at ", " s left"))) << rows_on(move);
-  EXPECT_THAT(move.screen().rows(), Contains(HasSubstr(", target 7031.25 deg, 878.91 deg/s, about ")));
+  EXPECT_THAT(move.screen().rows(),
+              Contains(HasSubstr(", target 7031.25 deg, 878.91 deg/s, about ")));
   const std::vector<std::string> before = move.screen().rows();
   ASSERT_TRUE(move.wait_until([&before](const Screen& screen) {
     return has_row("axis 1.1: at ")(screen) && screen.rows() != before;
