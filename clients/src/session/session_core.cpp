@@ -30,7 +30,7 @@ const SessionOptions& checked(const SessionOptions& options) {
         " ms, the time without samples after which a service is lost: must be 50 ms or more");
   }
   const auto coalescing = options.receive_coalescing;
-  if (coalescing < coalescing.zero() || coalescing > kLongestCoalescing) {
+  if (coalescing.count() < 0 || coalescing > kLongestCoalescing) {
     throw std::runtime_error("receive_coalescing = " + std::to_string(coalescing.count()) +
                              " ms, the time between two receptions: must be 0 to 20 ms");
   }
