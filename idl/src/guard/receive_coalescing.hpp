@@ -14,7 +14,7 @@ class ReceiveCoalescing {
   using Clock = std::chrono::steady_clock;
 
   /// Bytes that may collect in a pause. The kernel's default buffer holds three times as many.
-  static constexpr std::size_t kMostOfPause = 64U * 1024U;
+  static constexpr std::size_t kMostOfPause = std::size_t{64} * 1024;
 
   /// A datagram that is received more than this long after the channel began to receive again was
   /// not waiting in the socket: the channel was idle.
