@@ -110,6 +110,27 @@ TYPED_TEST(EveryTopic, CarriesItsMessageToAnotherParticipant) {
   EXPECT_TRUE(subscription.wait_for_match(received.source(), 0ms));
 }
 
+// Each message is sent after the previous one has arrived. The channel sleeps after a message for
+// which it waited, and at most one more waits for it then: 20 messages need at least 5 pauses, also
+// if a datagram of another topic wakes it now and then.
+TEST(CoalescingParticipant, SleepsBetweenMessagesThatArriveOneByOne) {
+  NetworkSettings observer = loopback();
+  observer.receive_coalescing = 20ms;
+  const auto sender = make_participant(loopback(), "sender");
+  const auto receiver = make_participant(observer, "receiver");
+  Received<msg::Request> received;
+  Publication<msg::Request> publication(*sender);
+  Subscription<msg::Request> subscription(*receiver, received.handler());
+  ASSERT_TRUE(publication.wait_for_matched(1, kPatience));
+  ASSERT_TRUE(subscription.wait_for_matched(1, kPatience));
+  const auto begin = std::chrono::steady_clock::now();
+  for (std::size_t count = 1; count <= 20; ++count) {
+    ASSERT_TRUE(publication.write({}));
+    ASSERT_TRUE(received.wait_for(count));
+  }
+  EXPECT_GE(std::chrono::steady_clock::now() - begin, 5 * 20ms);
+}
+
 // The library permanently keeps some samples that were acknowledged while a reader joined. A later
 // reader then gets a gap over all numbers since, and a guard refuses gaps wider than 65,536.
 TEST(LateReader, GetsTheNextReplyOfAWriterThatSentManyWhileOthersJoined) {

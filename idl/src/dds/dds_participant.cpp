@@ -182,13 +182,12 @@ std::int32_t announced_lease(const NetworkSettings& settings) {
 /// The guard, if there is one, is placed in front of each transport.
 template <typename Descriptor>
 void add_transport(const Descriptor& transport, const std::shared_ptr<Guard>& guard,
-                   const std::shared_ptr<const HostNames>& names,
-                   std::chrono::microseconds coalescing, dds::DomainParticipantQos& qos) {
+                   const std::shared_ptr<const HostNames>& names, dds::DomainParticipantQos& qos) {
   if (guard == nullptr) {
     qos.transport().user_transports.push_back(std::make_shared<Descriptor>(transport));
   } else {
     qos.transport().user_transports.push_back(
-        std::make_shared<Guarded<Descriptor>>(transport, guard, names, coalescing));
+        std::make_shared<Guarded<Descriptor>>(transport, guard, names));
   }
 }
 
@@ -209,10 +208,9 @@ dds::DomainParticipantQos participant_qos(const NetworkSettings& settings, const
   qos.name(name.c_str());
   qos.user_data().setValue(std::vector<rtps::octet>(settings.place.begin(), settings.place.end()));
   qos.transport().use_builtin_transports = false;
-  add_transport(udp_transport(settings, addresses), guard, redirecting, settings.receive_coalescing,
-                qos);
+  add_transport(udp_transport(settings, addresses), guard, redirecting, qos);
   if (settings.shared_memory) {
-    add_transport(eprosima::fastdds::rtps::SharedMemTransportDescriptor(), guard, nullptr, {}, qos);
+    add_transport(eprosima::fastdds::rtps::SharedMemTransportDescriptor(), guard, nullptr, qos);
   }
   auto& discovery = qos.wire_protocol().builtin.discovery_config;
   discovery.leaseDuration = {announced_lease(settings), 0};

@@ -32,7 +32,8 @@ Guard::Guard(const NetworkSettings& settings)
       // A server announces its clients, and the library handles their leases.
       keeps_leases_(settings.discovery_servers.empty()),
       raises_leases_(mode_ == Mode::open || kMembersMayLeaveInClear),
-      sink_(settings.guard_sink) {
+      sink_(settings.guard_sink),
+      receive_coalescing_(settings.receive_coalescing) {
   judge_ = std::thread([this] {
     judge();
   });

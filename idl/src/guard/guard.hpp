@@ -70,6 +70,11 @@ class Guard {
 
   [[nodiscard]] GuardCounts counts() const;
 
+  /// @return NetworkSettings::receive_coalescing.
+  [[nodiscard]] std::chrono::microseconds receive_coalescing() const noexcept {
+    return receive_coalescing_;
+  }
+
  private:
   using Keeper = LeaseKeeper<Receiver*>;
   using Clock = Keeper::Clock;
@@ -98,6 +103,7 @@ class Guard {
   const bool keeps_leases_;
   const bool raises_leases_;  ///< so that the lease timers of the library never fire
   const GuardSink sink_;
+  const std::chrono::microseconds receive_coalescing_;
 
   std::array<std::atomic<std::uint64_t>, kRefusals> refused_{};
   std::atomic<std::uint64_t> handed_over_{0};

@@ -12,10 +12,7 @@ eprosima::fastdds::rtps::TransportInterface* GuardedTransport::create_transport(
 }
 
 GuardTransport::GuardTransport(const GuardedTransport& description)
-    : ObservingTransport(description),
-      guard_(description.guard),
-      names_(description.names),
-      coalescing_(description.coalescing) {}
+    : ObservingTransport(description), guard_(description.guard), names_(description.names) {}
 
 bool GuardTransport::OpenOutputChannel(eprosima::fastdds::rtps::SendResourceList& sockets,
                                        const Locator& to) {
@@ -48,9 +45,8 @@ bool GuardTransport::CloseInputChannel(const Locator& local) {
 void GuardTransport::receive(eprosima::fastdds::rtps::TransportReceiverInterface* receiver,
                              const std::uint8_t* bytes, std::uint32_t size, const Locator& local,
                              const Locator& remote) {
-  if (coalescing_.count() == 0) return guard_->receive(*receiver, {bytes, size}, local, remote);
   // Each channel has a thread of the library, which holds no lock here.
-  thread_local ReceiveCoalescing coalescing(coalescing_);
+  thread_local ReceiveCoalescing coalescing(guard_->receive_coalescing());
   const auto pause = coalescing.pause_after(size, ReceiveCoalescing::Clock::now());
   guard_->receive(*receiver, {bytes, size}, local, remote);
   if (pause.count() > 0) std::this_thread::sleep_for(pause);

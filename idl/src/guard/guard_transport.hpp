@@ -5,7 +5,6 @@
 #include "host_names.hpp"
 
 #include <atomic>
-#include <chrono>
 #include <memory>
 #include <set>
 #include <shared_mutex>
@@ -16,19 +15,16 @@ namespace vdrive::wire {
 /// Describes a transport with a guard in front of it.
 struct GuardedTransport final : eprosima::fastdds::rtps::ChainingTransportDescriptor {
   GuardedTransport(std::shared_ptr<eprosima::fastdds::rtps::TransportDescriptorInterface> low,
-                   std::shared_ptr<Guard> its_guard, std::shared_ptr<const HostNames> its_names,
-                   std::chrono::microseconds its_coalescing)
+                   std::shared_ptr<Guard> its_guard, std::shared_ptr<const HostNames> its_names)
       : ChainingTransportDescriptor(std::move(low)),
         guard(std::move(its_guard)),
-        names(std::move(its_names)),
-        coalescing(its_coalescing) {}
+        names(std::move(its_names)) {}
 
   [[nodiscard]] eprosima::fastdds::rtps::TransportInterface* create_transport() const override;
 
   std::shared_ptr<Guard> guard;
   std::shared_ptr<const HostNames>
       names;  ///< null: the library sends only to addresses that it has announced
-  std::chrono::microseconds coalescing;  ///< NetworkSettings::receive_coalescing
 };
 
 /// A transport of the library with a guard between it and its receiver.
@@ -67,7 +63,6 @@ class GuardTransport final : public ObservingTransport {
 
   std::shared_ptr<Guard> guard_;
   std::shared_ptr<const HostNames> names_;
-  std::chrono::microseconds coalescing_;
   std::shared_mutex announced_mutex_;
   std::set<Locator> announced_;  ///< destinations announced by the library to its transport
   /// The first socket of the library that sends. The library calls sends_directly() for each
@@ -82,21 +77,16 @@ template <typename Descriptor>
 class Guarded final : public Descriptor {
  public:
   Guarded(const Descriptor& low, std::shared_ptr<Guard> guard,
-          std::shared_ptr<const HostNames> names, std::chrono::microseconds coalescing)
-      : Descriptor(low),
-        guard_(std::move(guard)),
-        names_(std::move(names)),
-        coalescing_(coalescing) {}
+          std::shared_ptr<const HostNames> names)
+      : Descriptor(low), guard_(std::move(guard)), names_(std::move(names)) {}
 
   [[nodiscard]] eprosima::fastdds::rtps::TransportInterface* create_transport() const override {
-    return GuardedTransport(std::make_shared<Descriptor>(*this), guard_, names_, coalescing_)
-        .create_transport();
+    return GuardedTransport(std::make_shared<Descriptor>(*this), guard_, names_).create_transport();
   }
 
  private:
   std::shared_ptr<Guard> guard_;
   std::shared_ptr<const HostNames> names_;
-  std::chrono::microseconds coalescing_;
 };
 
 }  // namespace vdrive::wire
