@@ -33,11 +33,11 @@ struct Gains {
 };
 
 /// Slows down loops that would ring on a soft shaft. To the load (inertia J), the velocity loop is
-/// a damper (coefficient d) behind the spring of the shaft (stiffness k). A stiff loop gives the
-/// resonance of the load the damping ratio sqrt(k J) / (2 d), to which the coupling adds its own.
-/// The position loop reduces it by position gain / (2 resonance). If nothing would be left, d is
-/// matched to the spring, d = sqrt(k J), which damps best, and the position loop keeps its ratio to
-/// the velocity loop.
+/// a damper (coefficient d) that acts through the spring of the shaft (stiffness k). A stiff loop
+/// gives the resonance of the load the damping ratio sqrt(k J) / (2 d), to which the coupling adds
+/// its own. The position loop reduces it by position gain / (2 resonance). If nothing would be
+/// left, d is matched to the spring, d = sqrt(k J), which damps best, and the position loop keeps
+/// its ratio to the velocity loop.
 Gains on_shaft(const AxisModel& model, double ratio, const Gains& wanted) {
   const double impedance = std::sqrt(model.coupling_stiffness * model.load_inertia);
   const double resonance = std::sqrt(model.coupling_stiffness / model.load_inertia);
